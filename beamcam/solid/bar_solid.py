@@ -8,12 +8,12 @@ place. Punches, scribes, taps and letters take nothing that a solid would show.
 
 from collections.abc import Iterable, Sequence
 from math import cos, hypot, isnan, nan, radians, sin
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.controllers.dialect import Dialect, dialect_of
+from beamcam.controllers.dialect import dialect_of
 from beamcam.controllers.events import BarEvent, Move, Switch
 from beamcam.errors import BeamcamError, Source
 from beamcam.machine.machine import Machine
@@ -84,7 +84,13 @@ class Reach(Struct, frozen=True):
 
 def reaches(machine: Machine, profile: Profile) -> dict[int, tuple[Reach, ...]]:
     """The spindles that each number of the program chooses, where the section has their wall."""
-    sides = walls(profile) or _sides_of_round(profile)
+    sides = walls(profile)
+    if profile.is_round:  # the four lines that spindles stand square to
+        d, thick = profile.height, max(profile.flange_thickness, profile.web_thickness or 0.0)
+        sides = {
+            "v": Wall("z", d, -1, thick, d), "h": Wall("z", 0.0, 1, thick, d),
+            "o": Wall("y", d, -1, thick, d), "u": Wall("y", 0.0, 1, thick, d),
+        }  # fmt: skip
     reaches_of: dict[str, Reach] = {
         s.face: _reach(s, machine, profile, sides[s.face])
         for s in machine.spindles
@@ -97,17 +103,6 @@ def reaches(machine: Machine, profile: Profile) -> dict[int, tuple[Reach, ...]]:
         if all(face in reaches_of for face in pair.faces):
             chosen[pair.number] = tuple(reaches_of[face] for face in pair.faces)
     return chosen
-
-
-def _sides_of_round(profile: Profile) -> dict[str, Wall]:
-    """The four lines of a round that spindles stand square to, as walls; none of others."""
-    if not profile.is_round:
-        return {}
-    d, thickness = profile.height, max(profile.flange_thickness, profile.web_thickness or 0.0)
-    return {
-        "v": Wall("z", d, -1, thickness, d), "h": Wall("z", 0.0, 1, thickness, d),
-        "o": Wall("y", d, -1, thickness, d), "u": Wall("y", 0.0, 1, thickness, d),
-    }  # fmt: skip
 
 
 def _reach(spindle: Spindle, machine: Machine, profile: Profile, wall: Wall) -> Reach:
@@ -215,33 +210,25 @@ def work_of(events: Iterable[BarEvent], machine: Machine, part: Part) -> BarWork
             word = dialect.m_words[event.number]
             values = {name: event.words[at] for at, name in word.fields if at in event.words}
             if word.role == "saw" and not isnan(x):
-                slabs.append(
-                    _slab(event.line, x - saw.x, values["angle"], values.get("tilt", 0.0), saw,
-                          part.profile.height)
-                )  # fmt: skip
+                angles = values["angle"], values.get("tilt", 0.0)
+                slabs.append(_slab(event.line, x - saw.x, angles, saw, part.profile.height))
             elif word.role == "choose":
                 number = values.get("spindle", dialect.only_spindle)
                 spindles = chosen.get(int(number), ()) if number is not None else ()
-                tool = _tool(word.cycle.kind if word.cycle else "drill", values, dialect)
+                kind = word.cycle.kind if word.cycle else "drill"
+                tool = dialect.numbered.get(
+                    int(values.get("tool", -1)), (kind, dialect.size(values.get("diameter", 0.0)))
+                )
         elif isinstance(event, Move):
             x = event.end[0]
             for reach in spindles:
                 tip = reach.tip(x - drill.x, event.end)
                 before = tips.get(reach.number, tip)
                 tips[reach.number] = tip
-                if (
-                    tool is not None
-                    and tool[0] in REMOVING
-                    and not isnan(tip.x + tip.y + tip.depth)
-                ):
+                is_placed = not isnan(tip.x + tip.y + tip.depth)
+                if tool is not None and tool[0] in REMOVING and is_placed:
                     _swept(sweeps, Sweep(event.line, reach, *tool, before, tip))
     return BarWork(tuple(slabs), tuple(sweeps), said_of_section(events, machine))
-
-
-def _tool(kind: str, values: dict[str, float], dialect: Dialect) -> tuple[str, float]:
-    if "tool" in values and int(values["tool"]) in dialect.numbered:
-        return dialect.numbered[int(values["tool"])]
-    return kind, dialect.size(values.get("diameter", 0.0))
 
 
 def _swept(sweeps: list[Sweep], one: Sweep) -> None:
@@ -268,12 +255,13 @@ def _swept(sweeps: list[Sweep], one: Sweep) -> None:
     sweeps.append(one)
 
 
-def _slab(line: int, at: float, angle: float, tilt: float, saw: Saw, height: float) -> Slab:
-    """A cut by the saw's own angles.
+def _slab(line: int, at: float, angles: tuple[float, float], saw: Saw, height: float) -> Slab:
+    """A cut by the saw's own angles, of the mitre and of the tilt.
 
     A blade turned by w and then tilted by t has the normal (cos t cos w, cos t sin w, sin t); with
     DSTV's signs a mitre runs as x = c - y tan w. X counts on the pivot edge of the web.
     """
+    angle, tilt = angles
     w, t = radians(saw.angle_sign * (angle - saw.zero_angle)), radians(saw.tilt_sign * tilt)
     normal = cos(t) * cos(w), cos(t) * sin(w), sin(t)
     pivot = height if saw.pivot == "o" else 0.0
@@ -334,24 +322,13 @@ def _body(
     radius = sweep.diameter / 2
     point = points.get((sweep.kind, sweep.diameter), 180.0)
     bodies = []
-    places = [sweep.start] if sweep.start == sweep.end else [sweep.start, sweep.end]
-    for tip in places:
+    for tip in dict.fromkeys((sweep.start, sweep.end)):
+        air = min(-sweep.reach.front, tip.depth) - FREE - radius
+        full = tip.depth - drill_profile(radius, air, 0.0, point)[-1][1]  # without its point
+        profile = drill_profile(radius, full - FREE if full <= air else air, full, point)
         frame = moved(sweep.reach.wall.frame, tip.x, tip.y)
-        bodies.append(turned(_profile(sweep, tip.depth, radius, point), frame, chord))
-    if len(bodies) == 1:
-        return bodies[0]
-    return kernel().Manifold.batch_hull(bodies)
-
-
-def _profile(sweep: Sweep, depth: float, radius: float, point: float) -> list[Any]:
-    """A tool whose point is at a depth, from the air before the bar, by (radius, depth)."""
-    air = min(-sweep.reach.front, depth) - FREE - radius
-    whole = drill_profile(radius, air, 0.0, point)
-    length = whole[-1][1]  # of the point
-    full = depth - length
-    if full <= air:
-        air = full - FREE
-    return drill_profile(radius, air, full, point)
+        bodies.append(turned(profile, frame, chord))
+    return kernel().Manifold.batch_hull(bodies) if len(bodies) > 1 else bodies[0]
 
 
 def points_of(machine: Machine, parts: Sequence[Part]) -> dict[tuple[str, float], float]:

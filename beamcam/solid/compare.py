@@ -15,13 +15,14 @@ from math import atan2, inf, pi
 from typing import TYPE_CHECKING
 
 from msgspec import Struct
+from shapely.affinity import affine_transform
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.model.part import Contour, EndPlane, Feature, Hole, Part, Slot
 from beamcam.solid import EXTRA, HAND, LEFT_OUT, MISSING, SIZE
 from beamcam.solid.kernel import Frame, kernel, minus, outline, walls
 from beamcam.solid.part_solid import part_solid, voids
-from beamcam.solid.stock_solid import Margins, stock_solid
+from beamcam.solid.stock_solid import AS_DRAWN, Margins, stock_solid
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -41,9 +42,7 @@ KINDS: dict[type, tuple[str, ...]] = {
     Contour: ("cope", "cutout", "bevel", "other"),
     EndPlane: ("other", "axis"),
 }
-KIND_NAMES: dict[type, str] = {
-    Hole: "hole", Slot: "slot", Contour: "contour", EndPlane: "end plane",
-}  # fmt: skip
+KIND_NAMES = {Hole: "hole", Slot: "slot", Contour: "contour", EndPlane: "end plane"}
 
 
 class Bodies(Struct, frozen=True):
@@ -53,18 +52,16 @@ class Bodies(Struct, frozen=True):
     drawn: "Manifold"
     least: "Manifold"
     most: "Manifold"
-    wide: Margins  #: of the voids of `least`
-    narrow: Margins  #: of those of `most`
+    largest: Margins  #: of the voids of `least`
+    smallest: Margins  #: of those of `most`
     end: float  #: that its length may differ by
     tolerance: float  #: of places, for messages
 
 
-def bodies_of(part: Part, wide: Margins, narrow: Margins, end: float, place: float) -> Bodies:
+def bodies_of(part: Part, largest: Margins, smallest: Margins, end: float, place: float) -> Bodies:
     """A part with its voids as drawn, as large as they may be, and as small."""
-    return Bodies(
-        part, part_solid(part), part_solid(part, wide), part_solid(part, narrow), wide, narrow,
-        end, place,
-    )  # fmt: skip
+    drawn, least, most = (part_solid(part, margins) for margins in (AS_DRAWN, largest, smallest))
+    return Bodies(part, drawn, least, most, largest, smallest, end, place)
 
 
 class FittedPiece(Struct, frozen=True):
@@ -111,8 +108,6 @@ def ways_to_lie(
     Across it lies where the bar's section does, along it begins or ends where the part does. A turn
     that lays the section on another one is none.
     """
-    from shapely.affinity import affine_transform
-
     size, own = lying.profile, bodies.part.profile
     bar, section = outline(lying), outline(bodies.part)
     low, high = bodies.drawn.bounding_box()[0], bodies.drawn.bounding_box()[3]
@@ -190,20 +185,20 @@ def without_left_out(
     }
     if not fit.extra or not allowed:
         return fit, []
-    wide = _by_feature(bodies.part, bodies.wide)
-    narrow = _by_feature(bodies.part, bodies.narrow)
+    largest = _by_feature(bodies.part, bodies.largest)
+    smallest = _by_feature(bodies.part, bodies.smallest)
     diagnostics: list[Diagnostic] = []
     extra = fit.extra
     x0, y0, z0, x1, y1, z1 = fit.laid.bounding_box()
     within = kernel().Manifold.cube((x1 - x0, y1 - y0, z1 - z0)).translate((x0, y0, z0))
     stock = stock_solid(bodies.part) ^ within  # a sound end may be off by the width of a hair
-    for at, (feature, taken) in wide.items():
+    for at, (feature, taken) in largest.items():
         if type(feature) not in allowed or not any(
             (one ^ taken).volume() >= NOISE for one in extra
         ):
             continue
-        others = [body for other, (_, body) in wide.items() if other != at]
-        own = minus(narrow[at][1] ^ stock, others)
+        others = [body for other, (_, body) in largest.items() if other != at]
+        own = minus(smallest[at][1] ^ stock, others)
         partly = (own - fit.laid).volume() > UNTOUCHED * own.volume() + NOISE
         is_sink = isinstance(feature, Hole) and feature.kind == "countersink"
         if partly and not (is_sink and "sink-depth" in skips):
@@ -227,7 +222,7 @@ def _by_feature(part: Part, margins: Margins) -> "dict[int, tuple[Feature, Manif
 
 def left_out(feature: Feature, volume: float, name: str) -> Diagnostic:
     """The note on the steel of a feature that may be left out."""
-    kind = KIND_NAMES[type(feature)]
+    kind = next(name for kind, name in KIND_NAMES.items() if isinstance(feature, kind))
     face = getattr(feature, "face", "")
     where = f"of a {kind}" + (f" on face {face}" if face else "")
     return LEFT_OUT.at(

@@ -13,15 +13,17 @@ from math import atan2, degrees
 from typing import TYPE_CHECKING
 
 from msgspec import Struct
+from shapely import MultiPoint, box, get_coordinates, union_all
+from shapely import Point as Place
 
 from beamcam.geometry.curves import signed_area
 from beamcam.geometry.plane import Point
-from beamcam.model.part import Contour, Face, Feature, Hole, Part, Slot
-from beamcam.solid.cutters import slot_shape, through_wall
-from beamcam.solid.kernel import CHORD, FREE, Wall, circle, facets, kernel, walls
+from beamcam.model.part import Contour, Face, Part
+from beamcam.solid.cutters import taken, through_wall
+from beamcam.solid.kernel import CHORD, FREE, Wall, facets, kernel, walls
 from beamcam.solid.part_solid import part_solid
-from beamcam.solid.stock_solid import Margins, Shape, is_cut, shape_of, stock_solid
-from beamcam.solid.wrapped import all_round, outline_gone, skin_of, wrapped
+from beamcam.solid.stock_solid import Margins, Shape, is_cut, stock_solid
+from beamcam.solid.wrapped import all_round, drawn_steel, outline_gone, skin_of, wrapped
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -38,24 +40,28 @@ def rounded_corners(
     """The steel that the re-entrant corners of contours keep, what they keep of each wall of a
     profile, by its face, and the radius of each."""
     m = kernel()
-    taken: list[Manifold] = []
+    kept: list[Manifold] = []
     rounds: list[tuple[str, Shape]] = []
     corners: dict[tuple[str, float, float], float] = {}
     if part.profile.code == "RO":
         skin, wall = skin_of(part)
-        turn = skin.turn
-        for (x, u), room, one in _rounds(_steel_of_tube(part, turn), part.contours, radius):
-            taken.append(wrapped(one, skin, -FREE, wall + FREE))
+        turn = skin.turn  # drawn on three turns
+        gone = union_all([outline_gone(part), *(taken(f) for f in part.features)])
+        steel = box(0.0, -turn, part.length, 2 * turn).difference(all_round(gone, turn))
+        for (x, u), room, one in _rounds(steel, part.contours, radius):
+            kept.append(wrapped(one, skin, -FREE, wall + FREE))
             corners["v", round(x, 2), round(u % turn, 2) % round(turn, 2)] = room
     sides = walls(part.profile)
     for face in ("v", "o", "u", "h") if part.profile.code != "RO" else ():
         if face in sides:
-            own = [c for c in part.contours if _wall_of(c.face, part) == face]
-            for (x, q), room, one in _rounds(_steel_of(part, face, sides[face]), own, radius):
-                taken += _rounds_on(face, (x, q), one, room, sides[face], part)
+            own = [f for f in part.features if _wall_of(getattr(f, "face", ""), part) == face]
+            steel = drawn_steel(own, part.length, sides[face].width)
+            contours = [f for f in own if isinstance(f, Contour)]
+            for (x, q), room, one in _rounds(steel, contours, radius):
+                kept += _rounds_on(face, (x, q), one, room, sides[face], part)
                 rounds.append((face, one))
                 corners[face, x, q] = room
-    whole = m.Manifold.batch_boolean([m.Manifold(), *taken], m.OpType.Add)
+    whole = m.Manifold.batch_boolean([m.Manifold(), *kept], m.OpType.Add)
     return (whole ^ stock_solid(part, margins)) - part_solid(part), rounds, corners
 
 
@@ -66,47 +72,10 @@ def _wall_of(face: str, part: Part) -> str:
     return {"h": "v", "o": "u" if part.profile.code == "T" else "o"}.get(face, face)
 
 
-def _steel_of(part: Part, face: str, wall: Wall) -> Shape:
-    """What is drawn of a wall, in (x, q) of its face."""
-    from shapely import box, union_all
-
-    own = [f for f in part.features if _wall_of(getattr(f, "face", ""), part) == face]
-    outer = [f for f in own if isinstance(f, Contour) and f.kind == "outer" and is_cut(f)]
-    whole = box(0.0, 0.0, part.length, wall.width)
-    if outer:
-        whole = whole.intersection(union_all([shape_of(f.curves) for f in outer]))
-    return whole.difference(union_all([_taken(f) for f in own]))
-
-
-def _steel_of_tube(part: Part, turn: float) -> Shape:
-    """What is drawn of a tube, on three turns."""
-    from shapely import box, union_all
-
-    gone = union_all([outline_gone(part), *(_taken(f) for f in part.features)])
-    return box(0.0, -turn, part.length, 2 * turn).difference(all_round(gone, turn))
-
-
-def _taken(feature: Feature) -> Shape:
-    """What a hole, a slot or a cut-out takes of its wall."""
-    from shapely import Polygon
-
-    if isinstance(feature, Hole) and feature.kind != "mark":
-        return Polygon(circle(feature.x, feature.y, feature.diameter / 2))
-    if isinstance(feature, Slot):
-        return slot_shape(feature)
-    if isinstance(feature, Contour) and feature.kind == "inner" and is_cut(feature):
-        return shape_of(feature.curves)
-    return Polygon()
-
-
 def _rounds(
     steel: Shape, contours: Iterable[Contour], radius: float
 ) -> Iterator[tuple[Point, float, Shape]]:
-    """The re-entrant corners of contours, the radius for which each has room, and what it keeps of
-    the air beside some steel."""
-    from shapely import Point as Place
-    from shapely import box
-
+    """The re-entrant corners of contours, the radius that each has room for, its steel."""
     # A window that is drawn on both sides of a web has each of its corners twice.
     every = [turn for contour in contours if is_cut(contour) for turn in _turns(contour)]
     by_place = {(*(round(xy, 2) for xy in turn.place), turn.deg > 0.0): turn for turn in every}
@@ -114,14 +83,14 @@ def _rounds(
     whole = _filled(steel, turns, radius)
     for one in (turn for turn in turns if turn.deg > 0.0):
         room, filled = radius, whole
-        if any(is_narrow for _, is_narrow in _at(one, filled)):
+        if any(is_tight for _, is_tight in _at(one, filled)):
             (x, y), far = one.place, 5 * radius
             near = steel.intersection(box(x - far, y - far, x + far, y + far))
             least, room = 0.0, radius
             while room - least > CHORD / 5:  # a disc between sides that lean lies farther off
                 middle = (least + room) / 2
                 filled = _filled(near, turns, middle)
-                if any(is_narrow for _, is_narrow in _at(one, filled)):
+                if any(is_tight for _, is_tight in _at(one, filled)):
                     room = middle
                 else:
                     least = middle
@@ -141,17 +110,12 @@ class _Turn(Struct, frozen=True):
 
 def _at(corner: _Turn, filled: Sequence[tuple[Shape, bool]]) -> Iterator[tuple[Shape, bool]]:
     """What of it is at a corner."""
-    from shapely import Point as Place
-
     return (one for one in filled if one[0].distance(Place(corner.place)) < 2 * CHORD)
 
 
 def _filled(steel: Shape, turns: Sequence[_Turn], radius: float) -> list[tuple[Shape, bool]]:
     """What a disc that is rolled through the air does not reach, and whether that is a narrow
     place: with sides that face each other, or that goes on far off its corners."""
-    from shapely import MultiPoint, get_coordinates
-    from shapely import Point as Place
-
     quarter = facets(radius) // 4
     closed = steel.buffer(radius, quad_segs=quarter).buffer(-radius, quad_segs=quarter)
     air, more = steel.envelope.buffer(2 * radius).difference(closed), closed.difference(steel)
@@ -163,17 +127,14 @@ def _filled(steel: Shape, turns: Sequence[_Turn], radius: float) -> list[tuple[S
                and closed.boundary.distance(Place(turn.place)) > 2 * CHORD]  # fmt: skip
         around = MultiPoint([turn.place for turn in own])
         far = max((around.distance(Place(p)) for p in get_coordinates(core)), default=0.0)
-        is_narrow = sum(turn.deg for turn in own) > FACING_DEG or far > 2 * radius
-        if is_narrow or piece.distance(air) < CHORD:
-            filled.append((piece, is_narrow))
+        is_tight = sum(turn.deg for turn in own) > FACING_DEG or far > 2 * radius
+        if is_tight or piece.distance(air) < CHORD:
+            filled.append((piece, is_tight))
     return filled
 
 
 def _thick(shape: Shape, half: float) -> Iterator[tuple[Shape, Shape]]:
-    """The pieces of a shape, each with what of it is thicker; slivers along sides that lean may
-    join some."""
-    from shapely import union_all
-
+    """The pieces of a shape that slivers may join, each with what of it is thicker."""
     for piece in getattr(shape, "geoms", [shape]):
         cores = piece.buffer(-half).buffer(half)
         thick = [one for one in getattr(cores, "geoms", [cores]) if not one.is_empty]
@@ -200,9 +161,6 @@ def _rounds_on(
 ) -> "Iterator[Manifold]":
     """What a re-entrant corner keeps: `flat` of its wall, or on the round of a rectangular tube
     that of 90 degrees on the surface, whatever way it is open."""
-    from shapely import Point as Place
-    from shapely import box, union_all
-
     if part.profile.code == "M":
         skin, thick = skin_of(part)
         seen = [skin.seen(face, at[1], deep) for deep in (0.0, thick)]

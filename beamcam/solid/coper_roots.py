@@ -10,6 +10,7 @@ from math import hypot, radians, tan
 from typing import TYPE_CHECKING
 
 from msgspec import Struct
+from shapely import LineString, box, union_all
 
 from beamcam.geometry.curves import Curve, Line
 from beamcam.machine.coper import Coper
@@ -48,8 +49,7 @@ class _End(Struct, frozen=True):
     def within(
         self, shape: Shape, reach: float, by_y: float = 0.0, by_z: float = 0.0
     ) -> "Manifold":
-        """What of a section lies behind side X = reach - by_y Y - by_z Z, from before all of the
-        end on."""
+        """What of a section lies behind side X = reach - by_y Y - by_z Z."""
         _, _, high, wide = shape.bounds if not shape.is_empty else (0.0,) * 4
         far = abs(self.by_y) * high + abs(self.by_z) * wide + FREE
         low, most = sorted((self.side * (self.at - 3 * far), self.side * (self.at + 3 * far)))
@@ -89,21 +89,17 @@ def _walls_beyond(
     end: _End, profile: Profile, section: Shape, slack: float
 ) -> "Iterator[Manifold]":
     """Each wall as far as it reaches at either of its surfaces, with the fillets beside a web."""
-    from shapely import box
-
     for face, wall in walls(profile).items():
         if face in ("v", "o", "u"):
-            slab = (wall.surface, wall.surface + wall.inward * wall.thickness)
+            slab, flat = (wall.surface, wall.surface + wall.inward * wall.thickness), (0.0, 0.0)
             fillet = profile.radius if (wall.normal == "y") == (profile.code == "T") else 0.0
             low, high = min(slab) - fillet - FREE / 100, max(slab) + fillet + FREE / 100
-            if wall.normal == "y":
-                own = section.intersection(box(low, -FREE, high, profile.width + FREE))
-                reach = end.reach(slab, (0.0, 0.0)) + slack * hypot(1.0, end.by_z)
-                yield end.within(own, reach, by_z=end.by_z)
-            else:
-                own = section.intersection(box(-FREE, low, profile.height + FREE, high))
-                reach = end.reach((0.0, 0.0), slab) + slack * hypot(1.0, end.by_y)
-                yield end.within(own, reach, by_y=end.by_y)
+            across, by_y, by_z = box(low, -FREE, high, profile.width + FREE), 0.0, end.by_z
+            if wall.normal == "z":
+                across, by_y, by_z = box(-FREE, low, profile.height + FREE, high), end.by_y, 0.0
+            reach = end.reach(slab, flat) if wall.normal == "y" else end.reach(flat, slab)
+            reach += slack * hypot(1.0, by_y, by_z)
+            yield end.within(section.intersection(across), reach, by_y, by_z)
 
 
 def _at_one_x(
@@ -142,8 +138,6 @@ def _stepped(
 ) -> "Manifold":
     """The walls through a box of the section up to one x, and beyond it while a steep end lies
     before that."""
-    from shapely import box, union_all
-
     (y0, y1), (z0, z1) = (
         (-FAR if by > STEEP else low - step, FAR if by < -STEEP else high + step)
         for (low, high), by in ((ys, end.by_y), (zs, end.by_z))
@@ -174,17 +168,13 @@ def ledges_of(
         strips.append((high - flange, high - deep, high - flange))
     for low, first, last in strips:
         first, last = sorted((first, last))
-        slabs = [(low, low + flange), (first, last)]
-        boxes = [
-            m.Manifold.cube((2 * part.length, b - a, 2 * wide)).translate(
-                (-part.length / 2, a, -wide / 2)
-            )
-            if profile.code != "T"
-            else m.Manifold.cube((2 * part.length, 2 * high, b - a)).translate(
-                (-part.length / 2, -high / 2, a)
-            )
-            for a, b in slabs
-        ]
+        boxes = []
+        for a, b in ((low, low + flange), (first, last)):
+            size, at = (b - a, 2 * wide), (a, -wide / 2)
+            if profile.code == "T":
+                size, at = (2 * high, b - a), (-high / 2, a)
+            cube = m.Manifold.cube((2 * part.length, *size))
+            boxes.append(cube.translate((-part.length / 2, *at)))
         stays = (drawn ^ boxes[0]).bounding_box()
         # At a skew end the web may go on farther than its flange.
         more = deep * max(abs(normal[1]) for _, normal in ends)
@@ -235,22 +225,15 @@ def steps_of(
 def _stretch(edge: Curve | Shape, band: tuple[float, float]) -> tuple[float, float] | None:
     """The least and the greatest x of what of a band lies on an edge or in a round; None if nothing
     does, or if a straight edge ends in the band."""
-    from shapely import LineString, box
-
     if isinstance(edge, Line):
-        return _crossing(edge, band)
+        (xa, ya), (xb, yb) = sorted((edge.start, edge.end), key=lambda place: place[1])
+        low, high = max(band[0], ya), min(band[1], yb)
+        if high - low < (band[1] - band[0]) / 2:
+            return None
+        first, last = (xa + (xb - xa) * (y - ya) / (yb - ya) for y in (low, high))
+        return min(first, last), max(first, last)
     if isinstance(edge, Curve):
         edge = LineString([edge.point(k / POINTS) for k in range(POINTS + 1)])
     there = edge.intersection(box(-1e6, band[0], 1e6, band[1]))
     first, _, last, _ = there.bounds
     return None if there.is_empty else (first, last)
-
-
-def _crossing(line: Line, band: tuple[float, float]) -> tuple[float, float] | None:
-    """The least and the greatest x of a line on a band that it crosses; None if it does not."""
-    (xa, ya), (xb, yb) = sorted((line.start, line.end), key=lambda place: place[1])
-    low, high = max(band[0], ya), min(band[1], yb)
-    if high - low < (band[1] - band[0]) / 2:
-        return None
-    first, last = (xa + (xb - xa) * (y - ya) / (yb - ya) for y in (low, high))
-    return min(first, last), max(first, last)

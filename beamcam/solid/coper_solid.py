@@ -11,23 +11,25 @@ that turns is seen by the torch as if it went round.
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from math import acos, cos, degrees, dist, isfinite, pi, radians, sin
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+import shapely
 from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.controllers.events import BarEvent, Move, Place, Switch
 from beamcam.errors import BeamcamError, Source
+from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import TorchRow, is_row_for, material_said
 from beamcam.model.part import Part
 from beamcam.solid import NO_SOLID
-from beamcam.solid.kernel import CHORD, Frame, facets, kernel, minus, outline, prism
+from beamcam.solid.kernel import CHORD, Frame, Row, facets, kernel, minus, outline, prism
 from beamcam.solid.part_solid import part_solid
 from beamcam.solid.sheet_solid import starting_words
 from beamcam.solid.stock_solid import ALONG
-from beamcam.solid.wrapped import Skin, skin_of, wrapped
+from beamcam.solid.wrapped import skin_of, wrapped
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -44,7 +46,7 @@ class Burn(Struct, frozen=True):
     row: TorchRow
     a_deg: float  #: of the torch; of a tube, which turns, that of its first place
     #: x of the part and across, or round a tube; of a tilted torch as it looks along itself
-    path: tuple[tuple[float, float], ...]
+    path: tuple[Point, ...]
     heights: tuple[float, ...]  #: of the tip along the torch, from the part's axis or a tube's skin
     b_deg: float = 0.0  #: of the torch towards X
     #: tip, A and B of a torch that turns as it cuts, X from the part's start
@@ -95,47 +97,47 @@ def _burn(
         abs(a_deg - places[0][1]) > STEADY_DEG for _, a_deg in places
     )):  # fmt: skip
         return _turning(source, moves, coper, rows)
-    if unrolls := coper.unrolls(part.profile.code):
-        skin = skin_of(part)[0]
-        turned = [_over_tube(place, a_deg, coper, skin) for place, a_deg in places]
+    if coper.unrolls(part.profile.code):
+        skin, seen = skin_of(part)[0], []
+        for (x, y, z), a_deg in places:
+            u, high, beside = skin.place(y, z, a_deg)
+            if abs(beside) > coper.tolerance / 2:
+                found = "a torch that is not square to its tube"
+                raise BeamcamError(NO_SOLID.at(source, found=found))
+            seen.append((x - coper.trim, u, high))
+    elif any(abs(a_deg - places[0][1]) > STEADY_DEG for _, a_deg in places):
+        raise BeamcamError(NO_SOLID.at(source, found="a torch that turns as it cuts"))
     else:
-        axis = _axis_of(part) if coper.turns == "bar" else None
-        turned = [
-            None if abs(a_deg - places[0][1]) > STEADY_DEG
-            else _across_bar(place, a_deg, coper, tilts[0], axis)
-            for place, a_deg in places
-        ]  # fmt: skip
-    if any(one is None for one in turned):
-        what = "that is not square to its tube" if unrolls else "that turns as it cuts"
-        raise BeamcamError(NO_SOLID.at(source, found=f"a torch {what}"))
-    seen = [one for one in turned if one is not None]
+        seen = [_across_bar(place, a_deg, coper, tilts[0], part) for place, a_deg in places]
     ways = [dist(a, b) for a, b in pairwise(seen)]
     minutes = [
         move.minutes or (way / move.feed_mm_min if move.feed_mm_min > 0.0 else 0.0)
         for move, way in zip(moves, ways, strict=True)
     ]
     speed = sum(ways) / sum(minutes) if sum(minutes) > 0.0 else 0.0
-    row = _row_of(speed, rows, coper)
-    if row is None or abs(row.feed_mm_min - speed) > SAME_SPEED * row.feed_mm_min:
-        found = f"a cut at {speed:.0f} mm/min, the speed of no row of the chart"
-        raise BeamcamError(NO_SOLID.at(source, found=found))
+    row = _row_of(source, speed, rows, coper)
     path, heights = tuple((x, q) for x, q, _ in seen), tuple(h for *_, h in seen)
     return Burn(source.line or 0, row, places[0][1], path, heights, tilts[0])
 
 
-def _row_of(speed: float, rows: Sequence[TorchRow], coper: Coper) -> TorchRow | None:
+def _row_of(source: Source, speed: float, rows: Sequence[TorchRow], coper: Coper) -> TorchRow:
     """The row whose speed is nearest; of one between two, where the file has those, that for
-    thicker steel, as deep as that speed goes: at a fillet that is deepest at the kerf's side."""
+    thicker steel, as deep as that speed goes: at a fillet that is deepest at the kerf's side.
+
+    Raises BeamcamError where none is near.
+    """
     row = min(rows, key=lambda one: abs(one.feed_mm_min - speed), default=None)
-    if row is None or coper.between_rows != "interpolate":
-        return row
-    alike = sorted((one for one in rows if one.material == row.material), key=lambda o: -o.up_to)
-    for slow, fast in pairwise(alike):
+    alike = [one for one in rows if row is not None and one.material == row.material]
+    alike = alike if coper.between_rows == "interpolate" else []
+    for slow, fast in pairwise(sorted(alike, key=lambda one: -one.up_to)):
         off = min(abs(one.feed_mm_min / speed - 1.0) for one in (slow, fast))
         if slow.feed_mm_min < speed < fast.feed_mm_min and off > SAME_SPEED / 10:
             share = (fast.feed_mm_min - speed) / (fast.feed_mm_min - slow.feed_mm_min)
             deep = fast.up_to + share * (slow.up_to - fast.up_to)
             return replace(slow, feed_mm_min=speed, up_to=min(deep + slow.kerf, slow.up_to))
+    if row is None or abs(row.feed_mm_min - speed) > SAME_SPEED * row.feed_mm_min:
+        found = f"a cut at {speed:.0f} mm/min, the speed of no row of the chart"
+        raise BeamcamError(NO_SOLID.at(source, found=found))
     return row
 
 
@@ -148,10 +150,7 @@ def _turning(
         for move in moves
     ):
         raise BeamcamError(NO_SOLID.at(source, found="a torch that turns as it cuts"))
-    row = min(rows, key=lambda one: abs(one.feed_mm_min - moves[0].feed_mm_min), default=None)
-    if row is None or abs(row.feed_mm_min - moves[0].feed_mm_min) > SAME_SPEED * row.feed_mm_min:
-        found = f"a cut at {moves[0].feed_mm_min:.0f} mm/min, the speed of no row of the chart"
-        raise BeamcamError(NO_SOLID.at(source, found=found))
+    row = _row_of(source, moves[0].feed_mm_min, rows, coper)
     poses: list[tuple[Place, float, float]] = []
     for move in moves:
         for share in (0.0, 0.5, 1.0):
@@ -170,7 +169,7 @@ def _way(a_deg: float, b_deg: float) -> Place:
     return sin(b), -sin(a) * cos(b), cos(a) * cos(b)
 
 
-def _swept(burn: Burn, coper: Coper, part: Part) -> "Manifold":
+def _swept(burn: Burn, coper: Coper) -> "Manifold":
     """What a jet takes that turns: between one place and the next the hull of both. It is as deep
     from the wall's surface on, whatever its angle to that."""
     m, row = kernel(), burn.row
@@ -195,10 +194,6 @@ def _swept(burn: Burn, coper: Coper, part: Part) -> "Manifold":
             x, y, z = (tip[i] + beside[i] for i in range(3))
             found.append((x, y, z))
             found.append((x - down * way[0], y - down * way[1], z - down * way[2]))
-        if part.profile.code == "T":  # on its side: Y is its z, Z its height less its y
-            return [(x, part.profile.height - z, y) for x, y, z in found]
-        if part.profile.code == "C":  # on its lips: turned 180 degrees about its length
-            return [(x, part.profile.height - y, part.profile.width - z) for x, y, z in found]
         return found
 
     rounds = [round_at(pose, row.kerf / 2) for pose in burn.poses]
@@ -207,49 +202,41 @@ def _swept(burn: Burn, coper: Coper, part: Part) -> "Manifold":
     return m.Manifold.batch_boolean(bodies, m.OpType.Add)
 
 
-def _axis_of(part: Part) -> tuple[float, float]:
-    """Y and Z of the line about which a profile turns, as it lies: the middle of its box."""
-    high, wide = part.profile.height / 2, part.profile.width / 2
-    return (wide, high) if part.profile.code == "T" else (high, wide)
-
-
-def _across_bar(
-    place: Place, a_deg: float, coper: Coper, b_deg: float, axis: tuple[float, float] | None
-) -> Any:
+def _across_bar(place: Place, a_deg: float, coper: Coper, b_deg: float, part: Part) -> Place:
     """x, the way across and the height of the tip of a torch that goes round, as it looks along
     itself.
 
-    Over a bar that turns about an axis it stands upright, so that these are Y and Z, counted from
-    that axis.
+    Over a bar that turns it stands upright, so that these are Y and Z, counted from the axis that
+    the bar turns about: the middle of its box, as it lies.
     """
     x, y, z = place
     a, b, x = radians(a_deg), radians(b_deg), x - coper.trim
-    if axis is not None:
-        on_y, on_z = axis
+    if coper.turns == "bar":
+        on_y, on_z = part.profile.height / 2, part.profile.width / 2
+        if part.profile.code == "T":
+            on_y, on_z = on_z, on_y
         return x, y + on_y * cos(a) + on_z * sin(a), z + on_z * cos(a) - on_y * sin(a)
     over = z * cos(a) - y * sin(a)
     along, high = x * cos(b) - over * sin(b), over * cos(b) + x * sin(b)
     return along, y * cos(a) + z * sin(a), high - coper.pivot
 
 
-def _over_tube(place: Place, a_deg: float, coper: Coper, skin: Skin) -> Any:
-    """x, the way round and the height of the tip over a tube; None if it is not square to it."""
-    x, y, z = place
-    u, high, beside = skin.place(y, z, a_deg)
-    return None if abs(beside) > coper.tolerance / 2 else (x - coper.trim, u, high)
-
-
 def taken_by(burn: Burn, coper: Coper, part: Part) -> "Manifold":
     """What a cut takes: the hole that is pierced, and the kerf behind the way down to the steel."""
-    from shapely import LineString, Point, union_all
-
+    size = part.profile
+    along_x: Row = (1.0, 0.0, 0.0, 0.0)
+    lies: Frame = (along_x, (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0))
+    if size.code == "T":  # on its side: Y is its z, Z its height less its y
+        lies = (along_x, (0.0, 0.0, -1.0, size.height), (0.0, 1.0, 0.0, 0.0))
+    elif size.code == "C":  # on its lips: turned 180 degrees about its length
+        lies = (along_x, (0.0, -1.0, 0.0, size.height), (0.0, 0.0, -1.0, size.width))
     if burn.poses:
-        return _swept(burn, coper, part)
-    row, half = burn.row, burn.row.kerf / 2
+        return _swept(burn, coper).transform(lies)
+    row, half, hole = burn.row, burn.row.kerf / 2, burn.row.pierce_radius
     quarter = facets(half) // 4
-    ways = [LineString(way) for way in pairwise(burn.path[1:]) if way[0] != way[1]]
-    shape = union_all([
-        Point(burn.path[0]).buffer(row.pierce_radius, quad_segs=facets(row.pierce_radius) // 4),
+    ways = [shapely.LineString(way) for way in pairwise(burn.path[1:]) if way[0] != way[1]]
+    shape = shapely.union_all([
+        shapely.Point(burn.path[0]).buffer(hole, quad_segs=facets(hole) // 4),
         *(way.buffer(half, quad_segs=quarter) for way in ways),
     ])  # fmt: skip
     tips = burn.heights[1:] or burn.heights
@@ -265,13 +252,7 @@ def taken_by(burn: Burn, coper: Coper, part: Part) -> "Manifold":
     up, over = -sin(b), cos(b)  # of a wall's normal, along x as the torch sees it and along itself
     y = (-sin(a) * up, cos(a), -sin(a) * over, 0.0)
     z = (cos(a) * up, sin(a), cos(a) * over, 0.0)
-    if part.profile.code == "T":  # on its side: Y is its z, Z its height less its y
-        y, z = (-z[0], -z[1], -z[2], part.profile.height), y
-    if part.profile.code == "C":  # on its lips: turned 180 degrees about its length
-        y = (-y[0], -y[1], -y[2], part.profile.height)
-        z = (-z[0], -z[1], -z[2], part.profile.width)
-    frame: Frame = ((cos(b), 0.0, sin(b), 0.0), y, z)
-    return prism(shape, low, high, frame)
+    return prism(shape, low, high, ((cos(b), 0.0, sin(b), 0.0), y, z)).transform(lies)
 
 
 def pieces_of(

@@ -20,6 +20,8 @@ from typing import TYPE_CHECKING
 
 from msgspec import Struct
 from msgspec.structs import replace
+from shapely import intersection_all, union_all
+from shapely.affinity import translate
 
 from beamcam.controllers import cell_events
 from beamcam.controllers.events import in_degrees
@@ -89,7 +91,7 @@ def coper_faults(
     events = in_degrees(events, coper, part.profile.height)
     burns = list(burns_of(events, machine, coper, part, name))
     pieces = pieces_of(stock_of(part, coper, bar), burns, coper, part)
-    one = _asked(part, machine, coper, burns)
+    one = _allowed(part, machine, coper, burns)
     costs = likely(pieces, one.bodies)
     if not costs:
         return [PIECES.at(source, found="no piece", expected=part.mark or "a part")]
@@ -163,7 +165,9 @@ def _to_edges(contour: Contour, size: Profile) -> Contour:
     return replace(contour, curves=tuple(curves))
 
 
-def _asked(part: Part, machine: Machine, coper: Coper, burns: Sequence[Burn]) -> PartWithAllowance:
+def _allowed(
+    part: Part, machine: Machine, coper: Coper, burns: Sequence[Burn]
+) -> PartWithAllowance:
     """A part with the steel that a sound program leaves of it at least and at most."""
     form = machine.format
     slack = coper.tolerance + 2 * form.resolution + 3 * CHORD
@@ -173,24 +177,24 @@ def _asked(part: Part, machine: Machine, coper: Coper, burns: Sequence[Burn]) ->
         slack += step if coper.a_unit == "mm" else reach * radians(step)
     whole = replace(part, features=(*part.features, *(part.made or ())), made=None)
     # A saw does not follow an outline next to an end, a torch does.
-    wide = Margins(lambda _: slack, 0.0, slack, slack, skin=SKIN, noise=0.0)
-    narrow = Margins(lambda _: -slack, 0.0, -slack, -slack, skin=-SKIN)
-    bodies = bodies_of(whole, wide, narrow, 2 * slack, slack)
+    largest = Margins(lambda _: slack, 0.0, slack, slack, skin=SKIN, noise=0.0)
+    smallest = Margins(lambda _: -slack, 0.0, -slack, -slack, skin=-SKIN)
+    bodies = bodies_of(whole, largest, smallest, 2 * slack, slack)
     cut = part
     if part.made is not None:  # of a tube its ends are all there; outlines of others go with them
         round_there = part.profile.code == "RO"
         cut = replace(part, made=None, cuts=EndCuts() if round_there else part.cuts)
     as_cut, square = _cut_square(cut)
-    corners, rounds, radii = rounded_corners(cut, narrow, coper.corner_radius)
-    least = bodies.least if cut is part else part_solid(cut, wide)
-    most = (bodies.most if as_cut == whole else part_solid(as_cut, narrow)) + corners
+    corners, rounds, radii = rounded_corners(cut, smallest, coper.corner_radius)
+    least = bodies.least if cut is part else part_solid(cut, largest)
+    most = (bodies.most if as_cut == whole else part_solid(as_cut, smallest)) + corners
     if part.profile.code == "M" or (part.profile.code == "RO" and skew_ends(cut)):
-        least, most = square_to_surface(least, most, cut, narrow)
-        most += corners ^ stock_solid(cut, replace(narrow, end=-FREE))
+        least, most = square_to_surface(least, most, cut, smallest)
+        most += corners ^ stock_solid(cut, replace(smallest, end=-FREE))
     if cut is not part:  # what is there was drawn so, whatever cut it
         there = replace(part, features=part.made or (), made=None)
-        most_there = part_solid(there, narrow)
-        least, most = least ^ part_solid(there, wide), most ^ most_there
+        most_there = part_solid(there, smallest)
+        least, most = least ^ part_solid(there, largest), most ^ most_there
         if part.profile.code == "RO" and skew_ends(there):
             most += _beside_ends(cut, there, slack) ^ most_there
     drawn = part_solid(as_cut) if square else bodies.drawn
@@ -208,7 +212,7 @@ def _asked(part: Part, machine: Machine, coper: Coper, burns: Sequence[Burn]) ->
             square = f"{square}, {many} {what}" if square else f"{many} {what}"
     if ends or ledges or steps or on_rounds:
         m = kernel()
-        on_tube = [one ^ stock_solid(part, replace(narrow, end=-FREE)) for one in on_rounds]
+        on_tube = [one ^ stock_solid(part, replace(smallest, end=-FREE)) for one in on_rounds]
         more = [*ends, *ledges, *steps, *on_tube]
         most = m.Manifold.batch_boolean([most, *more], m.OpType.Add)
     allowed = replace(bodies, least=least, most=most)
@@ -218,9 +222,6 @@ def _asked(part: Part, machine: Machine, coper: Coper, burns: Sequence[Burn]) ->
 def _beside_ends(part: Part, there: Part, slack: float) -> "Manifold":
     """What the outline of a round piece leaves out beside a skew end that is there, and that end
     has: it is drawn on one surface of the wall, which ends elsewhere on the other."""
-    from shapely import intersection_all, union_all
-    from shapely.affinity import translate
-
     skin, wall = skin_of(part)
     piece = unrolled(part_solid(there), skin, wall + FREE)
     deep = OFF_TANGENT + wall * max(
@@ -265,18 +266,15 @@ def _cut_square(part: Part) -> tuple[Part, str]:
             feature = replace(feature, bevels=())
         elif isinstance(feature, Hole) and feature.kind == "through" and part.profile.code == "RO":
             holes += 1
-            feature = Contour("v", "inner", tuple(_drilled(feature, part)), feature.source)
+            # A drill through the axis meets the outside so, unrolled.
+            radius, x, y = part.profile.height / 2, feature.x, feature.y
+            ring = circle(0.0, 0.0, min(feature.diameter / 2, radius))
+            ring = [(x + along, y + radius * asin(across / radius)) for along, across in ring]
+            curves = tuple(Line(a, b) for a, b in pairwise([*ring, ring[0]]))
+            feature = Contour("v", "inner", curves, feature.source)
         features.append(feature)
     texts = [f"{bevels} edge(s) with a bevel"] if bevels else []
     skew = skew_ends(part) if part.profile.code in ("M", "RO") else 0
     texts += [f"{skew} end(s) skew through the wall"] if skew else []
     texts += [f"{holes} hole(s) round its axis"] if holes else []
     return replace(part, features=tuple(features)), ", ".join(texts)
-
-
-def _drilled(hole: Hole, part: Part) -> Iterator[Line]:
-    """Where a drill through the axis of a tube meets its outside, unrolled."""
-    radius = part.profile.height / 2
-    ring = circle(0.0, 0.0, min(hole.diameter / 2, radius))
-    places = [(hole.x + x, hole.y + radius * asin(across / radius)) for x, across in ring]
-    yield from (Line(a, b) for a, b in pairwise([*places, places[0]]))

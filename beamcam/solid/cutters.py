@@ -5,14 +5,17 @@ other walls; what is cut of a web takes the fillets on it, and so does what is c
 along the web.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from itertools import pairwise
 from math import atan2, cos, hypot, radians, sin, tan
 from typing import TYPE_CHECKING
 
-from beamcam.geometry.curves import Line, signed_area
+from shapely import LineString, MultiPoint, Polygon, box, make_valid, union_all
+from shapely import Point as Place
+
+from beamcam.geometry.curves import Line, Point, signed_area
 from beamcam.geometry.polylines import polylines
-from beamcam.model.part import Bevel, Contour, Hole, Part, Profile, Slot
+from beamcam.model.part import Bevel, Contour, Feature, Hole, Part, Slot
 from beamcam.solid.kernel import (
     CHORD,
     FLAT_DEG,
@@ -54,13 +57,11 @@ COARSE_PITCH = {
 
 def slot_shape(slot: Slot, larger: float = 0.0) -> Shape:
     """A slot or a rectangle with round corners, in (x, q) of its face."""
-    from shapely import MultiPoint
-
     radius = slot.diameter / 2 + larger
     return MultiPoint([p for at in slot_corners(slot) for p in circle(*at, radius)]).convex_hull
 
 
-def slot_corners(slot: Slot) -> list[tuple[float, float]]:
+def slot_corners(slot: Slot) -> list[Point]:
     """The centres of the circles at its corners."""
     c, s = cos(radians(slot.angle)), sin(radians(slot.angle))
     return [
@@ -70,12 +71,21 @@ def slot_corners(slot: Slot) -> list[tuple[float, float]]:
     ]
 
 
+def taken(feature: Feature) -> Shape:
+    """What a hole, a slot or a cut-out takes of its face, in (x, q); nothing of any other."""
+    if isinstance(feature, Hole) and feature.kind != "mark":
+        return Polygon(circle(feature.x, feature.y, feature.diameter / 2))
+    if isinstance(feature, Slot):
+        return slot_shape(feature)
+    if isinstance(feature, Contour) and feature.kind == "inner" and is_cut(feature):
+        return shape_of(feature.curves)
+    return Polygon()
+
+
 def contour_cutters(
     contour: Contour, wall: Wall, part: Part, margins: Margins
 ) -> Iterator["Manifold"]:
     """What a contour takes of its wall: outside an outer one, inside an inner one; its bevels."""
-    from shapely import box
-
     yield from _bevels(contour, wall, part, margins)
     if part.profile.code == "B" and has_outline(part):
         return
@@ -97,17 +107,17 @@ def contour_cutters(
         yield from through_wall(shape, wall)  # that the others stand on, with their fillets
     else:
         yield prism(shape, 0.0, wall.thickness, wall.frame)
-        if part.profile.code == "C":
-            yield from _through_lip(shape, wall, part.profile)
-        else:
+        if part.profile.code != "C":
             yield from through_wall(_along_web(shape, wall), wall)
+        elif part.profile.lip is not None:  # all of the lip that stands there
+            bend = wall.width - (part.profile.web_thickness or 0.0) - part.profile.radius
+            over = shape.intersection(box(-FAR, bend, FAR, FAR))
+            yield prism(over, 0.0, part.profile.lip + FREE, wall.frame)
 
 
 def _along_web(shape: Shape, wall: Wall) -> Shape:
     """What a contour of a flange takes beside its web alone; across the web, what goes of that and
     of its fillets is for the web's contour to say."""
-    from shapely import LineString, box
-
     for low, high in wall.others:
         middle = (low + high) / 2
         over = shape.intersection(LineString([(-FAR, middle), (FAR, middle)]))
@@ -117,16 +127,6 @@ def _along_web(shape: Shape, wall: Wall) -> Shape:
     return shape
 
 
-def _through_lip(shape: Shape, wall: Wall, profile: Profile) -> Iterator["Manifold"]:
-    """What a contour of a flange takes of the lip at its edge: all of it that stands there."""
-    from shapely import box
-
-    if profile.code == "C" and profile.lip is not None and wall.normal == "y":
-        inside = wall.width - (profile.web_thickness or 0.0) - profile.radius
-        over = shape.intersection(box(-FAR, inside, FAR, FAR))
-        yield prism(over, 0.0, profile.lip + FREE, wall.frame)
-
-
 def _beside_ends(gone: Shape, wall: Wall, part: Part, noise: float) -> Shape:
     """What an outline leaves out, without what the end planes cut off anyway.
 
@@ -134,10 +134,8 @@ def _beside_ends(gone: Shape, wall: Wall, part: Part, noise: float) -> Shape:
     surface; exporters round outlines by up to `noise`. A cut that comes to such an end goes
     on as it is drawn and along x there, and the rest of the end is the plane's.
     """
-    from shapely import LineString, Polygon, box, make_valid, union_all
-
     gone = make_valid(gone)
-    ends: list[list[tuple[float, float]]] = []  # of the start and the end, (x, q) at both edges
+    ends: list[list[Point]] = []  # of the start and the end, (x, q) at both edges
     skew: list[bool] = []
     leans: list[bool] = []  # through the thickness of the wall
     for (x, _, _), (side, along_y, along_z) in end_planes(part, drawn=True):
@@ -180,8 +178,6 @@ def _beside_ends(gone: Shape, wall: Wall, part: Part, noise: float) -> Shape:
 
 def _beside(shape: Shape, wall: Wall) -> Shape:
     """A shape on a wall where no other wall stands on it."""
-    from shapely import box
-
     if shape.is_empty:
         return shape
     x0, q0, x1, q1 = shape.bounds
@@ -211,8 +207,6 @@ def _blind(shape: Shape, wall: Wall, depth: float) -> Iterator["Manifold"]:
 def hole_cutters(
     hole: Hole, wall: Wall, part: Part, margins: Margins, pilot: float
 ) -> Iterator["Manifold"]:
-    from shapely import Polygon
-
     diameter = hole.diameter
     if hole.kind in ("thread", "left-thread"):
         diameter -= margins.minor * COARSE_PITCH.get(diameter, diameter / 8)
@@ -238,8 +232,6 @@ def hole_cutters(
 
 def _within(wall: Wall, hole: Hole, radius: float) -> "Manifold":
     """The wall round a hole, beyond which a point does not go."""
-    from shapely import box
-
     x, y = hole.x, hole.y
     square = box(x - radius - 1, y - radius - 1, x + radius + 1, y + radius + 1)
     return prism(square, -FREE, wall.thickness, wall.frame)
@@ -251,8 +243,6 @@ def _sink(hole: Hole, wall: Wall, margins: Margins, pilot: float) -> Iterator["M
     A cone that goes deeper than it would alone has a cylinder above it and meets the hole that it
     sinks at its depth.
     """
-    from shapely import Polygon
-
     radius = hole.diameter / 2 + margins.radius(hole.diameter)
     depth = (hole.depth or 0.0) + margins.depth + margins.sink
     if hole.angle is None or hole.angle >= FLAT_DEG:
@@ -315,8 +305,6 @@ def _bevels(contour: Contour, wall: Wall, part: Part, margins: Margins) -> Itera
 
 def _bevel(contour: Contour, inside: Shape, bevel: Bevel, wall: Wall, margin: float) -> "Manifold":
     """What a bevel takes: a wedge along its edge, from a surface to its land."""
-    from shapely import Point, Polygon
-
     body = prism(Polygon(), 0.0, 0.0, wall.frame)
     if not bevel.curve < len(contour.curves):
         return body
@@ -334,10 +322,15 @@ def _bevel(contour: Contour, inside: Shape, bevel: Bevel, wall: Wall, margin: fl
         return body
     (ax, aq), (bx, bq) = chain[:2]
     off = 0.01 / hypot(bx - ax, bq - aq)
-    beside = Point((ax + bx) / 2 + (aq - bq) * off, (aq + bq) / 2 + (bx - ax) * off)
+    beside = Place((ax + bx) / 2 + (aq - bq) * off, (aq + bq) / 2 + (bx - ax) * off)
     # The steel is outside of a cut-out.
     side = 1.0 if inside.contains(beside) == (contour.kind == "outer") else -1.0
-    hollow = _hollow(chain, side)
+    hollow = []  # how far wedges beside one another inside of the chain go on, to meet
+    for (ax, aq), (bx, bq), (cx, cq) in zip(chain, chain[1:], chain[2:], strict=False):
+        turn = atan2((bx - ax) * (cq - bq) - (bq - aq) * (cx - bx),
+                     (bx - ax) * (cx - bx) + (bq - aq) * (cq - bq))  # fmt: skip
+        hollow.append(tan(max(0.0, -turn * side) / 2))
+    hollow = hollow or [0.0]
     first, last = _beyond(contour, bevel, (hollow[0], hollow[-1]))
     by = [first, *hollow, last] if len(chain) > 2 else [first, last]
     for k, ((ax, aq), (bx, bq)) in enumerate(pairwise(chain)):
@@ -345,28 +338,14 @@ def _bevel(contour: Contour, inside: Shape, bevel: Bevel, wall: Wall, margin: fl
         ex, eq = (bx - ax) / long, (bq - aq) / long
         low, high = -wide * by[k], long + wide * by[k + 1]
         nx, nq = -eq * side, ex * side
-        # (across the edge, depth, along) to (x, q, depth)
-        to_face = wall.frame
-        rows = []
-        for a, b, c, d in to_face:
-            across, along = a * nx + b * nq, a * ex + b * eq
-            rows.append((across, c, along, d + a * ax + b * aq))
+        rows = [  # (across the edge, depth, along) to (x, q, depth)
+            (a * nx + b * nq, c, a * ex + b * eq, d + a * ax + b * aq) for a, b, c, d in wall.frame
+        ]
         grown = wide * FREE / deep
         top, foot = (-FREE, deep) if near else (wall.thickness + FREE, wall.thickness - deep)
         wedge = Polygon([(-FREE, top), (wide + grown + margin, top), (margin, foot), (-FREE, foot)])
         body += prism(wedge, low, high, (rows[0], rows[1], rows[2]))
     return body
-
-
-def _hollow(chain: Sequence[tuple[float, float]], side: float) -> list[float]:
-    """How far wedges beside one another at each place between the ends of a curve go on, to meet,
-    by mm that they reach inside: 0 where it bulges. The steel is on its left where `side` is 1."""
-    found = []
-    for (ax, aq), (bx, bq), (cx, cq) in zip(chain, chain[1:], chain[2:], strict=False):
-        turn = atan2((bx - ax) * (cq - bq) - (bq - aq) * (cx - bx),
-                     (bx - ax) * (cx - bx) + (bq - aq) * (cq - bq))  # fmt: skip
-        found.append(tan(max(0.0, -turn * side) / 2))
-    return found or [0.0]
 
 
 def _beyond(contour: Contour, bevel: Bevel, hollow: tuple[float, float]) -> Iterator[float]:

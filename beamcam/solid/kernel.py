@@ -5,15 +5,17 @@ Circles are regular polygons inscribed in them, whose chords lie at most CHORD i
 
 import os
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
+from itertools import product
 from math import acos, ceil, cos, pi, radians, sin, tan
 from typing import TYPE_CHECKING, Any, Literal
 
 from msgspec import Struct
+from shapely import MultiPoint, Polygon, box, union_all
 
 from beamcam.errors import BeamcamError, Source
-from beamcam.model.part import Part, Profile, SectionPoint
+from beamcam.model.part import Part, Profile
 from beamcam.model.section import ring_of
 from beamcam.solid import NO_KERNEL, NO_SOLID
 
@@ -177,61 +179,72 @@ class Wall(Struct, frozen=True):
         return (along_x, deep, across) if self.normal == "y" else (along_x, across, deep)
 
 
-def walls(profile: Profile) -> dict[str, Wall]:
-    """The walls of a section by face; none of a round or special one."""
+class _Plate(Struct, frozen=True):
+    """A plate of a section, from one place to another along its normal."""
+
+    normal: Literal["y", "z"]
+    faces: str  #: that look at it from below and from above; "." for none
+    extent: Interval
+    others: tuple[Interval, ...] = ()
+    rises: Interval = (0.0, 0.0)  #: of the fillets below and above it
+
+
+def _plates(profile: Profile) -> list[_Plate]:
+    """The plates of a section; none of a round or special one."""
     h, b, r = profile.height, profile.width, profile.radius
     t, s = profile.flange_thickness, profile.web_thickness or 0.0
-    low, high = (0.0, t), (h - t, h)
+    low, high, back, front = (0.0, t), (h - t, h), (0.0, s), (b - s, b)
+    inside = max(0.0, r - t)
     match profile.code:
         case "B":
-            return {"v": Wall("z", s, -1, s, h), "h": Wall("z", 0.0, 1, s, h)}
+            return [_Plate("z", "hv", back)]
         case "I":
-            web, stands = ((b - s) / 2, (b + s) / 2), (low, high)
-            return {
-                "v": Wall("z", web[1], -1, s, h, stands, r, r),
-                "h": Wall("z", web[0], 1, s, h, stands, r, r),
-                "o": Wall("y", h, -1, t, b, (web,), 0.0, r),
-                "u": Wall("y", 0.0, 1, t, b, (web,), 0.0, r),
-            }
+            web = (b - s) / 2, (b + s) / 2
+            return [
+                _Plate("z", "hv", web, (low, high), (r, r)),
+                _Plate("y", ".o", high, (web,), (r, 0.0)), _Plate("y", "u.", low, (web,), (0.0, r)),
+            ]  # fmt: skip
         case "U" | "C":
-            beside = ((0.0, s),) if profile.lip is None else ((0.0, s), (b - s, b))
-            return {
-                "v": Wall("z", s, -1, s, h, (low, high), r, 0.0),
-                "h": Wall("z", 0.0, 1, s, h, (low, high), 0.0, r),
-                "o": Wall("y", h, -1, t, b, beside, 0.0, r),
-                "u": Wall("y", 0.0, 1, t, b, beside, 0.0, r),
-            }
+            beside = (back,) if profile.lip is None else (back, front)
+            return [
+                _Plate("z", "hv", back, (low, high), (0.0, r)),
+                _Plate("y", ".o", high, beside, (r, 0.0)), _Plate("y", "u.", low, beside, (0.0, r)),
+            ]  # fmt: skip
         case "L":
-            return {
-                "v": Wall("z", s, -1, s, h, (low,), r, 0.0),
-                "h": Wall("z", 0.0, 1, s, h, (low,), 0.0, r),
-                "o": Wall("y", t, -1, t, b, ((0.0, s),), r, 0.0),
-                "u": Wall("y", 0.0, 1, t, b, ((0.0, s),), 0.0, r),
-            }
+            return [
+                _Plate("z", "hv", back, (low,), (0.0, r)), _Plate("y", "uo", low, (back,), (0.0, r))
+            ]  # fmt: skip
         case "T":
             stem = (h - t) / 2, (h + t) / 2
-            return {
-                "v": Wall("z", s, -1, s, h, (stem,), r, 0.0),
-                "h": Wall("z", 0.0, 1, s, h, (stem,), 0.0, r),
-                "o": Wall("y", stem[1], -1, t, b, ((0.0, s),), r, r),
-                "u": Wall("y", stem[0], 1, t, b, ((0.0, s),), r, r),
-            }
+            return [
+                _Plate("z", "hv", back, (stem,), (0.0, r)), _Plate("y", "uo", stem, (back,), (r, r))
+            ]  # fmt: skip
         case "M":
-            inside = max(0.0, r - t)
-            sides, floors = ((0.0, s), (b - s, b)), (low, high)
-            return {
-                "v": Wall("z", b, -1, s, h, floors, 0.0, inside),
-                "h": Wall("z", 0.0, 1, s, h, floors, 0.0, inside),
-                "o": Wall("y", h, -1, t, b, sides, 0.0, inside),
-                "u": Wall("y", 0.0, 1, t, b, sides, 0.0, inside),
-            }
-    return {}
+            return [
+                _Plate("z", ".v", front, (low, high), (inside, 0.0)),
+                _Plate("z", "h.", back, (low, high), (0.0, inside)),
+                _Plate("y", ".o", high, (back, front), (inside, 0.0)),
+                _Plate("y", "u.", low, (back, front), (0.0, inside)),
+            ]
+    return []
+
+
+def walls(profile: Profile) -> dict[str, Wall]:
+    """The walls of a section by face; none of a round or special one."""
+    found: dict[str, Wall] = {}
+    for one in _plates(profile):
+        thick, width = profile.web_thickness or 0.0, profile.height
+        if one.normal == "y":
+            thick, width = profile.flange_thickness, profile.width
+        (below, above), (low, high), faces = one.rises, one.extent, one.faces
+        found[faces[1]] = Wall(one.normal, high, -1, thick, width, one.others, above, below)
+        found[faces[0]] = Wall(one.normal, low, 1, thick, width, one.others, below, above)
+    found.pop(".", None)
+    return found
 
 
 def outline(part: Part) -> Any:
     """The section in (Y, Z), as a shape of shapely. Raises BeamcamError where it is not known."""
-    from shapely import Polygon, box, union_all
-
     profile = part.profile
     h, b = profile.height, profile.width
     t, s = profile.flange_thickness, profile.web_thickness or 0.0
@@ -245,7 +258,9 @@ def outline(part: Part) -> Any:
         case "SO":
             if len(part.section) < 3:
                 raise no_solid(part, f"a special section {profile.name} without its outline")
-            return _special(part.section)
+            inner = [p for p in part.section if p.side == "-"]
+            whole = Polygon(ring_of([p for p in part.section if p.side == "+"])).buffer(0)
+            return whole.difference(Polygon(ring_of(inner)).buffer(0)) if inner[2:] else whole
         case "B":
             _needed(part, thickness=s)
             return box(0.0, 0.0, h, s)
@@ -254,16 +269,14 @@ def outline(part: Part) -> Any:
         r = profile.radius
         hollow = _rounded(t, s, h - t, b - s, max(0.0, r - t))
         return _rounded(0.0, 0.0, h, b, r).difference(hollow)
-    plates = {
-        "I": [box(0, (b - s) / 2, h, (b + s) / 2), box(0, 0, t, b), box(h - t, 0, h, b)],
-        "U": [box(0, 0, h, s), box(0, 0, t, b), box(h - t, 0, h, b)],
-        "L": [box(0, 0, h, s), box(0, 0, t, b)],
-        "T": [box(0, 0, h, s), box((h - t) / 2, 0, (h + t) / 2, b)],
-    }
-    lip = profile.lip or 0.0
-    lips = [box(0, b - s, lip, b), box(h - lip, b - s, h, b)] if lip else []
-    plates["C"] = [*plates["U"], *lips]
-    whole = union_all([*plates[profile.code], *_fillets(profile)])
+    plates = [
+        box(0, one.extent[0], h, one.extent[1]) if one.normal == "z"
+        else box(one.extent[0], 0, one.extent[1], b)
+        for one in _plates(profile)
+    ]  # fmt: skip
+    if lip := (profile.lip or 0.0 if profile.code == "C" else 0.0):
+        plates += [box(0, b - s, lip, b), box(h - lip, b - s, h, b)]
+    whole = union_all([*plates, *_fillets(profile)])
     if profile.code == "C" and profile.radius:  # bent: round outside as well, and to its lips
         outer = profile.radius + s
         bend = _rounded(0.0, 0.0, h, b, outer).difference(_rounded(s, s, h - s, b - s, outer - s))
@@ -292,52 +305,22 @@ def _needed(part: Part, **figures: float) -> None:
             raise no_solid(part, f"a {name.replace('_', ' ')} of {value:g} mm")
 
 
-def _fillets(profile: Profile) -> list[Any]:
-    """The root fillets, each between a web's surface and a flange's."""
-    h, b, r = profile.height, profile.width, profile.radius
-    t, s = profile.flange_thickness, profile.web_thickness or 0.0
-    roots: list[tuple[float, float, int, int]] = []  # y, z of the sharp corner; way to the air
-    if r > 0.0:
-        match profile.code:
-            case "I":
-                for y, up in ((t, 1), (h - t, -1)):
-                    roots += [(y, (b + s) / 2, up, 1), (y, (b - s) / 2, up, -1)]
-            case "U" | "C":
-                roots = [(t, s, 1, 1), (h - t, s, -1, 1)]
-            case "L":
-                roots = [(t, s, 1, 1)]
-            case "T":
-                roots = [((h - t) / 2, s, -1, 1), ((h + t) / 2, s, 1, 1)]
-    return [_fillet(y, z, dy, dz, r) for y, z, dy, dz in roots]
-
-
-def _fillet(y: float, z: float, dy: int, dz: int, r: float) -> Any:
-    """The spandrel between a corner and the arc that touches both its walls."""
-    from shapely import Polygon
-
-    n = facets(r) // 4
+def _fillets(profile: Profile) -> Iterator[Any]:
+    """The root fillets: spandrels between a corner of two plates and the arc that touches both."""
+    n = facets(profile.radius) // 4
     turns = [pi / 2 * k / n for k in range(n + 1)]
-    arc = [(y + dy * r * (1 - sin(a)), z + dz * r * (1 - cos(a))) for a in turns]
-    return Polygon([*arc, (y, z)])
+    web, *flanges = _plates(profile)
+    for flange, up, out in product(flanges, (0, 1), (0, 1)):
+        if r := min(flange.rises[up], web.rises[out]):
+            y, z, dy, dz = flange.extent[up], web.extent[out], 2 * up - 1, 2 * out - 1
+            arc = [(y + dy * r * (1 - sin(a)), z + dz * r * (1 - cos(a))) for a in turns]
+            yield Polygon([*arc, (y, z)])
 
 
 def _rounded(y0: float, z0: float, y1: float, z1: float, r: float) -> Any:
     """A rectangle with round corners."""
-    from shapely import MultiPoint, box
-
     r = min(r, (y1 - y0) / 2, (z1 - z0) / 2)
     if r <= 0.0:
         return box(y0, z0, y1, z1)
     places = [(y, z) for y in (y0 + r, y1 - r) for z in (z0 + r, z1 - r)]
     return MultiPoint([p for y, z in places for p in circle(y, z, r)]).convex_hull
-
-
-def _special(points: tuple[SectionPoint, ...]) -> Any:
-    """The outline of a special section less what lies inside its inner one."""
-    from shapely import Polygon
-
-    rings = {side: [p for p in points if p.side == side] for side in ("+", "-")}
-    outer = Polygon(ring_of(rings["+"])).buffer(0)
-    if len(rings["-"]) >= 3:
-        outer = outer.difference(Polygon(ring_of(rings["-"])).buffer(0))
-    return outer

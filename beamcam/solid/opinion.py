@@ -4,7 +4,6 @@ It shares nothing with planning, motion and emitters, and nothing with the read-
 controllers' events.
 """
 
-from collections.abc import Sequence
 from math import hypot, inf, radians, sqrt, tan
 from typing import TYPE_CHECKING
 
@@ -72,9 +71,9 @@ def bar_bodies(part: Part, machine: Machine) -> Bodies:
         return -(_fit_of_drills(diameter, machine)[1] / 2 + place + path + CHORD)
 
     sharpest = min((t.point_deg for t in machine.tools if t.kind == "drill"), default=180.0)
-    wide = Margins(larger, step, end, 0.0, sharpest, minor=0.0, run_out=inf, sink=sink)
-    narrow = Margins(smaller, -step, -end, 0.0, square_below=least_mitre, sink=-sink)
-    return bodies_of(part, wide, narrow, 2 * end, place)
+    largest = Margins(larger, step, end, 0.0, sharpest, minor=0.0, run_out=inf, sink=sink)
+    smallest = Margins(smaller, -step, -end, 0.0, square_below=least_mitre, sink=-sink)
+    return bodies_of(part, largest, smallest, 2 * end, place)
 
 
 def _fit_of_drills(diameter: float, machine: Machine) -> tuple[float, float]:
@@ -105,13 +104,13 @@ def solid_faults(
             return tuple(coper_faults(text, request.parts, request, bar))
         has_words = request.machine.controller in ("codesys", "linuxcnc", "grbl", "mach3")
         if request.machine.stock == "sheet" and has_words:
-            return tuple(sheet_faults(text, pieces_asked(request), request))
+            return tuple(sheet_faults(text, expected_parts(request), request))
         raise BeamcamError(NO_MACHINE.at(Source(request.name), found=request.machine.name))
     except BeamcamError as error:
         return error.diagnostics
 
 
-def pieces_asked(request: Request) -> list[Part]:
+def expected_parts(request: Request) -> list[Part]:
     """The part of each piece: as often as the request or the part's file says, or once."""
     quantity = request.quantity
     is_bar = request.machine.stock == "beam"
@@ -124,7 +123,7 @@ def pieces_asked(request: Request) -> list[Part]:
 
 
 def _of_bar(text: str, request: Request, bar: float | None) -> list[Diagnostic]:
-    parts, machine, name = pieces_asked(request), request.machine, request.name
+    parts, machine, name = expected_parts(request), request.machine, request.name
     events, _ = cell_events(text, machine, name)
     stock = lying(parts[0], said_of_section(events, machine))
     work = work_of(events, machine, stock)
@@ -145,30 +144,21 @@ def _of_bar(text: str, request: Request, bar: float | None) -> list[Diagnostic]:
         alike = [k for cost, k in costs if cost <= costs[0][0] + ALIKE]
         fits = [(k, fit) for k in alike if (fit := _fit(pieces[k], stock, one)) is not None]
         if not fits:
-            return [PIECES.at(source, found="no piece", expected=f"{one.part.mark or 'a part'}")]
+            return [PIECES.at(source, found="no piece", expected=one.part.mark or "a part")]
         chosen, best = next(((k, fit) for k, fit in fits if not fit.differs), fits[0])
         free.remove(chosen)
         mirror = ways_to_lie(pieces[chosen], stock, one, True)
         best, told = without_left_out(best, one, f"piece {number}", request.skips)
         diagnostics += (*told, *differences(best, mirror, one, f"piece {number}", source))
-    diagnostics += _surplus([pieces[k] for k in sorted(free)], stock, [*known.values()], source)
+    for piece in (pieces[k] for k in sorted(free)):  # parts though no more are wanted
+        for one in known.values():
+            alike_one = likely([piece], one)[0][0] <= ALIKE
+            if alike_one and (more := _fit(piece, stock, one)) is not None and not more.differs:
+                found = f"one more {one.part.mark or 'part'}"
+                diagnostics.append(PIECES.at(source, found=found, expected="only those asked"))
     return diagnostics
 
 
 def _fit(piece: "Manifold", stock: Part, bodies: Bodies) -> FittedPiece | None:
     """How a piece of the bar fits its part, as it lies or turned."""
     return best_fit(ways_to_lie(piece, stock, bodies, False), bodies)
-
-
-def _surplus(
-    rest: "Sequence[Manifold]", stock: Part, known: Sequence[Bodies], source: Source
-) -> list[Diagnostic]:
-    """Pieces that are parts though nobody asked for so many."""
-    return [
-        PIECES.at(source, found=f"one more {one.part.mark or 'part'}", expected="only those asked")
-        for piece in rest
-        for one in known
-        if likely([piece], one)[0][0] <= ALIKE
-        and (fit := _fit(piece, stock, one)) is not None
-        and not fit.differs
-    ]

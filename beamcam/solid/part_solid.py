@@ -55,7 +55,9 @@ def voids(part: Part, margins: Margins = AS_DRAWN) -> Iterator[Void]:
                 else:
                     yield from ((feature, one) for one in round_cutters(feature, part, margins))
                 continue
-            face = _face(feature, part)
+            # A plate's contours count from the front.
+            is_plate = part.profile.code == "B" and isinstance(feature, Contour)
+            face = "v" if is_plate else feature.face
             if face not in sides:
                 raise no_solid(part, f"a {type(feature).__name__.lower()} on face {feature.face}")
             wall = sides[face]
@@ -67,10 +69,3 @@ def voids(part: Part, margins: Margins = AS_DRAWN) -> Iterator[Void]:
                 pilot = pilots.get((feature.face, feature.x, feature.y), 0.0)
                 bodies = hole_cutters(feature, wall, part, margins, pilot)
             yield from ((feature, body) for body in bodies)
-
-
-def _face(feature: Hole | Slot | Contour, part: Part) -> str:
-    """The face whose wall a feature lies in; a plate's contours count from the front."""
-    if part.profile.code == "B" and isinstance(feature, Contour):
-        return "v"
-    return feature.face

@@ -13,19 +13,20 @@ from math import dist, hypot, pi
 from typing import TYPE_CHECKING, Any, cast
 
 from msgspec import Struct
+from shapely import LineString, Polygon, polygonize, set_precision, union_all
+from shapely.affinity import rotate, scale, translate
 
 from beamcam.controllers import table_events
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.geometry.polylines import polylines
-from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, material_said
 from beamcam.model.colour import process_of
 from beamcam.model.part import Contour, Feature, Hole, Part, Process, Slot
 from beamcam.model.request import Request
 from beamcam.solid import NO_SOLID, PIECES
 from beamcam.solid.compare import ALIKE, NOISE, Bodies, best_fit, differences, left_out
-from beamcam.solid.cutters import slot_shape
-from beamcam.solid.kernel import CHORD, circle, no_solid, prism
+from beamcam.solid.cutters import taken
+from beamcam.solid.kernel import CHORD, no_solid, prism
 from beamcam.solid.sheet_solid import pieces_cut, rows_for, strokes_of
 from beamcam.solid.stock_solid import AS_DRAWN, end_planes, shape_of
 
@@ -66,19 +67,21 @@ def thickness_of(part: Part, torch: Torch) -> float:
 
 def plate_of(part: Part, torch: Torch, skips: tuple[str, ...]) -> Plate:
     """The pieces of a part as a torch cuts them, mirrored where it is asked to."""
-    from shapely import Polygon, union_all
-    from shapely.affinity import scale
-
     thickness = thickness_of(part, torch)
     rows = rows_for(torch, thickness, material_said(part.grade, torch.material))
     torch = torch.by(next((row for row in rows if row.process == "cut"), None))
-    may_lack = torch.drilled != "refuse" or "all" in skips or not {*SKIPS}.isdisjoint(skips)
+    may_leave = torch.drilled != "refuse" or "all" in skips or not {*SKIPS}.isdisjoint(skips)
     least = max(torch.min_hole, torch.min_hole_share * thickness)
     left: list[tuple[Feature, Shape]] = []
-    whole, slits = _outlines(part, torch, least if may_lack else 0.0, left)
-    for feature, shape, width in _holes(part):
+    whole, slits = _outlines(part, torch, least if may_leave else 0.0, left)
+    for feature in part.features:
+        if not isinstance(feature, Hole | Slot) or feature.kind == "mark":
+            continue
+        shape, width = taken(feature), feature.diameter
+        if isinstance(feature, Slot):
+            width += min(feature.length, feature.height)
         made = feature.kind == "through" and feature.depth is None and width >= least
-        if made or not may_lack:
+        if made or not may_leave:
             whole = whole.difference(shape)
         elif not any(shape.within(other) for _, other in left):
             left.append((feature, shape.intersection(whole)))
@@ -93,42 +96,40 @@ def plate_of(part: Part, torch: Torch, skips: tuple[str, ...]) -> Plate:
     )  # fmt: skip
 
 
-def _holes(part: Part) -> Iterator[tuple[Hole | Slot, Shape, float]]:
-    """Holes and slots with their shape and their least width."""
-    from shapely import Polygon
-
-    for f in part.features:
-        if isinstance(f, Hole) and f.kind != "mark":
-            yield f, Polygon(circle(f.x, f.y, f.diameter / 2)), f.diameter
-        elif isinstance(f, Slot) and f.kind != "mark":
-            yield f, slot_shape(f), min(f.length, f.height) + f.diameter
-
-
 def _outlines(
     part: Part, torch: Torch, least: float, left: list[tuple[Feature, Shape]]
 ) -> tuple[Shape, Shape]:
     """What a part's contours enclose, and its slits; round openings below `least` are `left`."""
-    from shapely import LineString, Polygon, union_all
-
-    cut = [c for c in part.contours if c.face in ("v", "h") and _is_cut(c, torch)]
+    colours = cast("dict[str, Process]", torch.colours)
+    cut = [
+        c for c in part.contours if c.face in ("v", "h")
+        and (c.process if c.layer is None and c.colour is None else process_of(c, colours)) == "cut"
+    ]  # fmt: skip
     closed = [c for c in cut if c.closed and c.kind != "open"]
     shapes: list[tuple[Shape, str, Contour | None]] = [
         (shape_of(c.curves), c.kind, c) for c in closed
     ]
-    lines = {
+    opens = {
         k: LineString(polylines(c.curves, CHORD).points)
         for k, c in enumerate(cut)
         if c not in closed or shape_of(c.curves).area < CHORD
     }
-    faces, slits = _enclosed([lines[k] for k in sorted(lines)], torch.gap)
+    lines = [set_precision(line, max(torch.gap / 2, 1e-4)) for line in opens.values()]
+    noded = union_all(lines)  # which enclose faces together, each filled
+    faces = [Polygon(face.exterior) for face in polygonize(getattr(noded, "geoms", [noded])).geoms]
+    slits = noded.difference(union_all([face.exterior for face in faces]).buffer(CHORD))
     drawn = part.measures is not None  # a drawing does not say which side of a contour is steel
     whole: Shape = Polygon()
     if not drawn and not any(kind == "outer" for _, kind, _ in shapes):
-        whole = _rectangle(part)
+        ends = []  # its length and width between its end planes
+        for (x, _, _), (side, up, _) in end_planes(part):
+            edge = [(x - side * up * y, y) for y in (0.0, part.profile.height)]
+            ends += edge if side < 0 else edge[::-1]
+        whole = Polygon(ends)
     for face in faces:
         around = face.exterior.buffer(torch.gap + CHORD)
         shapes.append(
-            (face, "outer", next((cut[k] for k in lines if lines[k].within(around)), None))
+            (face, "outer", next((cut[k] for k in opens if opens[k].within(around)), None))
         )
     for shape, kind, contour in sorted(shapes, key=lambda s: -s[0].area):
         if contour is not None and _is_drilled(shape, contour, whole, least, left):
@@ -138,7 +139,7 @@ def _outlines(
             whole = whole.union(shape)
         else:
             whole = whole.difference(shape)
-    return whole, union_all(slits)
+    return whole, slits
 
 
 def _is_drilled(
@@ -150,8 +151,6 @@ def _is_drilled(
     `contour` draws it, or a stretch of it. One as wide as the least, but for chords, is measured
     by its curves.
     """
-    from shapely import Polygon
-
     if shape.area < CHORD:  # a slit, which the torch follows
         return False
     width, long = _sides(shape)
@@ -169,35 +168,6 @@ def _sides(shape: Shape) -> tuple[float, float]:
     corners = shape.minimum_rotated_rectangle.exterior.coords
     one, other = dist(corners[0], corners[1]), dist(corners[1], corners[2])
     return min(one, other), max(one, other)
-
-
-def _enclosed(lines: list[Shape], gap: float) -> tuple[list[Shape], list[Shape]]:
-    """What lines enclose together, each face filled, and what of them encloses nothing."""
-    from shapely import Polygon, polygonize, set_precision, union_all
-
-    if not lines:
-        return [], []
-    noded = union_all([set_precision(line, max(gap / 2, 1e-4)) for line in lines])
-    faces = [Polygon(face.exterior) for face in polygonize(getattr(noded, "geoms", [noded])).geoms]
-    borders = union_all([face.exterior for face in faces]).buffer(CHORD)
-    return faces, [noded.difference(borders)]
-
-
-def _is_cut(contour: Contour, torch: Torch) -> bool:
-    if contour.layer is None and contour.colour is None:
-        return contour.process == "cut"
-    return process_of(contour, cast("dict[str, Process]", torch.colours)) == "cut"
-
-
-def _rectangle(part: Part) -> Shape:
-    """A plate without an outline: its length and width between its end planes."""
-    from shapely import Polygon
-
-    corners = []
-    for (x, _, _), (side, up, _) in end_planes(part):
-        ends = [(x - side * up * y, y) for y in (0.0, part.profile.height)]
-        corners += ends if side < 0 else ends[::-1]
-    return Polygon(corners)
 
 
 SAME_AREA = 0.02  #: share by which a piece's area may differ that nobody asked for
@@ -259,26 +229,24 @@ def sheet_faults(text: str, parts: Sequence[Part], request: Request) -> list[Dia
     events, _ = table_events(text, machine, name)
     pieces = pieces_cut(strokes_of(events, machine, rows, name), kerf)
     copies = torch.copies[0] * torch.copies[1]
-    expected = [
-        one
-        for part in parts
-        for one in list(_expected(plates[part], machine, torch, kerf)) * copies
-    ]
+    tolerance = torch.tolerance + torch.gap + torch.corner + 2 * CHORD
+    tolerance += hypot(machine.format.resolution, machine.format.resolution)
+    pieces_of: dict[Part, list[Expected]] = {part: [] for part in plates}
+    for part, plate in plates.items():
+        for drawn in plate.pieces:
+            least = drawn.buffer(-tolerance, join_style="mitre")
+            least = least.difference(plate.slits.buffer(kerf / 2 + 2 * tolerance))
+            most = drawn.buffer(kerf / 2 + tolerance, quad_segs=32)
+            most = most.buffer(-kerf / 2, quad_segs=32)
+            pieces_of[part].append(Expected(plate, drawn, least, most, tolerance))
+    expected = [one for part in parts for one in pieces_of[part] * copies]
     return [
         *_compared(pieces, expected, torch.rotate, request),
-        *(diagnostic for part in parts for diagnostic in _manual_work(plates[part])),
-    ]
-
-
-def _expected(plate: Plate, machine: Machine, torch: Torch, kerf: float) -> Iterator[Expected]:
-    step = machine.format.resolution
-    tolerance = torch.tolerance + torch.gap + torch.corner + 2 * CHORD + hypot(step, step)
-    for drawn in plate.pieces:
-        least = drawn.buffer(-tolerance, join_style="mitre")
-        if not plate.slits.is_empty:
-            least = least.difference(plate.slits.buffer(kerf / 2 + 2 * tolerance))
-        most = drawn.buffer(kerf / 2 + tolerance, quad_segs=32).buffer(-kerf / 2, quad_segs=32)
-        yield Expected(plate, drawn, least, most, tolerance)
+        *(
+            left_out(feature, shape.area * plates[part].thickness, part.mark or "the part")
+            for part in parts for feature, shape in plates[part].left
+        ),
+    ]  # fmt: skip
 
 
 def _compared(
@@ -287,11 +255,18 @@ def _compared(
     """Each piece that is wanted beside the likeliest one that is free."""
     source = Source(request.name)
     free = {*range(len(pieces))}
+    filled = [Polygon(one.exterior) for one in pieces]
     cut_out = {
-        k for k, one in enumerate(pieces) if any(_within(one, o) for o in pieces if o is not one)
-    }
+        k for k, one in enumerate(pieces)
+        if any(other.contains(one) for j, other in enumerate(filled) if j != k)
+    }  # fmt: skip
     for number, one in enumerate(expected, 1):
-        costs = sorted((_unlike(pieces[k], one.drawn), k) for k in free)
+        # How much two shapes differ, in mm of their outlines.
+        area, long = one.drawn.area, one.drawn.length
+        costs = sorted(
+            (round(abs(pieces[k].area - area) / max(long, 1e-9)
+                   + abs(pieces[k].length - long) / 4, 3), k) for k in free
+        )  # fmt: skip
         if not costs:
             found = f"{len(pieces)} piece(s) that come free"
             yield PIECES.at(source, found=found, expected=f"{len(expected)}, and their cut-outs")
@@ -313,24 +288,8 @@ def _compared(
                     break
 
 
-def _unlike(piece: Shape, drawn: Shape) -> float:
-    """How much two shapes differ, in mm of their outlines."""
-    length = max(drawn.length, 1e-9)
-    off = abs(piece.area - drawn.area) / length + abs(piece.length - drawn.length) / 4
-    return round(float(off), 3)
-
-
-def _within(piece: Shape, other: Shape) -> bool:
-    """Whether a piece is a cut-out of another one."""
-    from shapely import Polygon
-
-    return bool(Polygon(other.exterior).contains(piece))
-
-
 def _laid(piece: Shape, drawn: Shape, turn: float, mirrored: bool) -> Iterator[Shape]:
     """A piece in the axes of its part: in quarter turns, by the middles of the boxes."""
-    from shapely.affinity import rotate, scale
-
     if mirrored:
         piece = scale(piece, -1.0, 1.0, origin=(0.0, 0.0))
     for angle in QUARTERS:
@@ -339,8 +298,6 @@ def _laid(piece: Shape, drawn: Shape, turn: float, mirrored: bool) -> Iterator[S
 
 def _onto(piece: Shape, drawn: Shape, share: float) -> Shape:
     """A piece moved so that its box has its middle, or a corner, where the drawn one's is."""
-    from shapely.affinity import translate
-
     a, b = piece.bounds, drawn.bounds
     dx, dy = ((b[k] - a[k]) * (1 - share) + (b[k + 2] - a[k + 2]) * share for k in (0, 1))
     return translate(piece, dx, dy)
@@ -364,10 +321,3 @@ def _differences(
     best = best_fit(ways(False), bodies)
     if best is not None:
         yield from differences(best, ways(True), bodies, name, source)
-
-
-def _manual_work(plate: Plate) -> Iterator[Diagnostic]:
-    """Holes that the torch leaves to the drill."""
-    for feature, shape in plate.left:
-        volume = shape.area * plate.thickness
-        yield left_out(feature, volume, plate.part.mark or "the part")

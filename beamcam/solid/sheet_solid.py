@@ -13,10 +13,12 @@ from itertools import pairwise
 from typing import Any
 
 from msgspec import Struct
+from shapely import LineString, Polygon, box, union_all
+from shapely import Point as Place
 
 from beamcam.controllers.events import Compensation, HeadMove, Move, Switch, TableEvent
 from beamcam.errors import BeamcamError, Source
-from beamcam.geometry.curves import Curve, Line
+from beamcam.geometry.curves import Curve, Line, Point
 from beamcam.geometry.polylines import polylines
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchRow, is_row_for
@@ -152,8 +154,6 @@ def pieces_cut(strokes: Sequence[SweptStroke], kerf: float) -> list[Shape]:
 
 def left_of(taken: Sequence[Shape]) -> list[Shape]:
     """The pieces that come free where something is taken out of a sheet that is larger."""
-    from shapely import box, union_all
-
     gone = union_all(taken)
     if gone.is_empty:
         return []
@@ -166,13 +166,18 @@ def left_of(taken: Sequence[Shape]) -> list[Shape]:
 
 def taken_by(stroke: SweptStroke, kerf: float) -> Iterator[Shape]:
     """What the torch sweeps on a stroke: its path, as the controller keeps it off, by the kerf."""
-    from shapely import LineString, Point
-
     half = max(kerf, HAIR) / 2
     quarter = facets(half) // 4
-    path = _path(stroke.moves)
+    curves: list[Curve] = [m.curve or Line(m.start, m.end) for m in stroke.moves]
+    if not curves:
+        return
+    drawn = polylines(curves, CHORD / 2)
+    path = [stroke.moves[0].start]
+    for first, last in pairwise(drawn.begins.tolist()):
+        path += [(x, y) for x, y in drawn.points[first + 1 : last].tolist()]
+    path = [path[0], *(b for a, b in pairwise(path) if a != b)]
     if len(path) < 2:
-        yield from (Point(p).buffer(half, quad_segs=quarter) for p in path)
+        yield from (Place(p).buffer(half, quad_segs=quarter) for p in path)
         return
     # A path that runs over itself many times is swept bit by bit: as one it takes gigabytes.
     lines = [LineString(path[k : k + AT_ONCE + 1]) for k in range(0, len(path) - 1, AT_ONCE)]
@@ -181,16 +186,20 @@ def taken_by(stroke: SweptStroke, kerf: float) -> Iterator[Shape]:
     yield from (line.buffer(half, quad_segs=quarter) for line in lines if not line.is_empty)
 
 
-def _kept_off(path: list[tuple[float, float]], left: float) -> list[Shape]:
+def _kept_off(path: list[Point], left: float) -> list[Shape]:
     """Where the controller leads the tool beside a path, left of it or, below 0, right.
 
     Round corners that it passes outside, and no farther than it gets into those inside. A path that
     closes is a loop, with a lead before it and one behind it.
     """
-    from shapely import LineString, Polygon
-
     quarter = 4 * facets(abs(left))
-    begin, end = _loop(path)
+    # The longest stretch that comes back to where it began, at the end of the path without one.
+    begin = end = len(path) - 1
+    seen: dict[Point, int] = {}
+    for at, (x, y) in enumerate(path):
+        first = seen.setdefault((round(x, 3), round(y, 3)), at)
+        if at - first > max(end - begin, 2):
+            begin, end = first, at
     lines = []
     for open_path in (path[: begin + 1], path[end:]):
         if len(open_path) > 1:
@@ -204,29 +213,6 @@ def _kept_off(path: list[tuple[float, float]], left: float) -> list[Shape]:
         lines = [line.difference(near) for line in lines]
         lines.append(ring.buffer(grown, quad_segs=quarter).boundary)
     return lines
-
-
-def _loop(path: list[tuple[float, float]]) -> tuple[int, int]:
-    """The longest stretch of a path that comes back to where it began; at its end without one."""
-    best = len(path) - 1, len(path) - 1
-    seen: dict[tuple[float, float], int] = {}
-    for at, point in enumerate(path):
-        first = seen.setdefault((round(point[0], 3), round(point[1], 3)), at)
-        if at - first > max(best[1] - best[0], 2):
-            best = first, at
-    return best
-
-
-def _path(moves: Sequence[HeadMove]) -> list[tuple[float, float]]:
-    """The corners of the head's path, chords within CHORD of its arcs."""
-    curves: list[Curve] = [m.curve or Line(m.start, m.end) for m in moves]
-    if not curves:
-        return []
-    drawn = polylines(curves, CHORD / 2)
-    path = [moves[0].start]
-    for first, last in pairwise(drawn.begins.tolist()):
-        path += [(x, y) for x, y in drawn.points[first + 1 : last].tolist()]
-    return [path[0], *(b for a, b in pairwise(path) if a != b)]
 
 
 def rows_for(torch: Torch, thickness: float, material: str) -> list[TorchRow]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from msgspec import Struct
 from msgspec.structs import replace
+from shapely import Polygon
 
 from beamcam.geometry.curves import Curve, Line
 from beamcam.geometry.polylines import polylines
@@ -60,8 +61,6 @@ ALONG: Frame = ((0.0, 0.0, 1.0, 0.0), (1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0)
 
 def shape_of(curves: tuple[Curve, ...]) -> Shape:
     """The inside of a closed chain of curves, chords within CHORD of it."""
-    from shapely import Polygon
-
     outline = polylines(curves, CHORD)
     ring = [
         tuple(point)
@@ -85,8 +84,6 @@ def plate_shape(part: Part, outline_margin: float = 0.0) -> Shape | None:
 
     The largest contours count first, so that what lies within a cut-out is steel again.
     """
-    from shapely import Polygon
-
     if not has_outline(part):
         return None
     cut = [c for c in part.contours if is_cut(c) and c.face in ("v", "h")]
@@ -99,32 +96,19 @@ def plate_shape(part: Part, outline_margin: float = 0.0) -> Shape | None:
     return whole
 
 
-def _plate(part: Part, margins: Margins) -> "Manifold | None":
-    shape = plate_shape(part, margins.outline)
-    if shape is None:
-        return None
-    outline(part)  # for its thickness
-    wall = walls(part.profile)["v"]
-    body = prism(shape, margins.skin, wall.thickness - margins.skin, wall.frame)
-    cut = part.cuts
-    if max(abs(cut.flange_start), abs(cut.flange_end)) < 0.2:
-        return body
-    for point, normal in end_planes(part, margins):
-        body = behind(body, point, normal)
-    return body
-
-
 def stock_solid(part: Part, margins: Margins = AS_DRAWN) -> "Manifold":
     """The part before its features, between its two end planes; a plate within its outline."""
-    if part.profile.code == "B":
-        body = _plate(part, margins)
-        if body is not None:
+    section, skin = outline(part) if margins.section is None else margins.section, margins.skin
+    shape = plate_shape(part, margins.outline) if part.profile.code == "B" else None
+    if shape is not None:
+        wall = walls(part.profile)["v"]
+        body = prism(shape, skin, wall.thickness - skin, wall.frame)
+        if max(abs(part.cuts.flange_start), abs(part.cuts.flange_end)) < 0.2:
             return body
-    over = part.profile.height + part.profile.width + FREE
-    section = margins.section if margins.section is not None else outline(part)
-    if margins.skin:
-        section = section.buffer(-margins.skin, join_style="mitre")
-    body = prism(section, -over, part.length + over, ALONG)
+    else:
+        over = part.profile.height + part.profile.width + FREE
+        section = section.buffer(-skin, join_style="mitre") if skin else section
+        body = prism(section, -over, part.length + over, ALONG)
     for point, normal in end_planes(part, margins):
         body = behind(body, point, normal)
     return body

@@ -22,20 +22,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from msgspec.structs import replace
+from shapely import LineString, Polygon, box, clip_by_rect, transform, union_all
+from shapely.affinity import translate
 
 from beamcam.geometry.array_types import Floats
 from beamcam.geometry.curves import Curve, Line
-from beamcam.model.part import Contour, EndPlane, Face, Hole, Part, Slot
-from beamcam.solid.cutters import OUTLINE_NOISE, slot_shape
-from beamcam.solid.kernel import (
-    CHORD,
-    FREE,
-    circle,
-    extruded,
-    kernel,
-    minus,
-    no_solid,
-)
+from beamcam.model.part import Contour, EndPlane, Face, Feature, Part, Slot
+from beamcam.solid.cutters import OUTLINE_NOISE, slot_shape, taken
+from beamcam.solid.kernel import CHORD, FREE, extruded, kernel, minus, no_solid
 from beamcam.solid.stock_solid import Margins, Shape, end_planes, is_cut, shape_of, stock_solid
 
 if TYPE_CHECKING:
@@ -151,8 +145,6 @@ def wrapped(shape: Shape, skin: Skin, low: float, high: float) -> "Manifold":
     their angle's third power, 0.003 mm at 136 mm. They begin in the air in front of the surface, so
     that their chords do not come below it. At a corner they go no deeper than its middle.
     """
-    from shapely import clip_by_rect
-
     m, radius = kernel(), skin.radius
     if shape.is_empty:
         return m.Manifold()
@@ -168,8 +160,6 @@ def wrapped(shape: Shape, skin: Skin, low: float, high: float) -> "Manifold":
 
 def unrolled(body: "Manifold", skin: Skin, deep: float) -> Shape:
     """A wall `deep` at most as it is seen square to the surface, in (x, u) of one turn."""
-    from shapely import Polygon, box, union_all
-
     low, high = body.bounding_box()[0] - FREE, body.bounding_box()[3] + FREE
     seen = []
     for first, last in skin.strips(0.0, skin.turn, STRIP_RAD):
@@ -182,10 +172,7 @@ def unrolled(body: "Manifold", skin: Skin, deep: float) -> Shape:
 
 
 def outline_gone(part: Part, margin: float = 0.0) -> Shape:
-    """What the outlines of a tube leave out of its surface, in (x, u) of one turn; all of it stays
-    without one."""
-    from shapely import Polygon, box, transform
-
+    """What outlines of a tube leave out of its surface, in (x, u) of one turn; or nothing."""
     turn = skin_of(part)[0].turn
     outlines = [one for one in part.contours if one.kind == "outer" and is_cut(one)]
     gone = box(-FREE, 0.0, part.length + FREE, turn) if outlines else Polygon()
@@ -200,8 +187,7 @@ def outline_gone(part: Part, margin: float = 0.0) -> Shape:
 
 
 def _on_seam(curves: Sequence[Curve], turn: float, long: float, points: Any) -> Any:
-    """Corners of an outline, the ends of its sides along the seam on it; those of long sides may be
-    off by more."""
+    """Corners of an outline, the ends of its sides along the seam on it."""
     points = points.copy()
     for side in curves:
         if isinstance(side, Line):
@@ -217,9 +203,6 @@ def _on_seam(curves: Sequence[Curve], turn: float, long: float, points: Any) -> 
 
 def all_round(shape: Shape, turn: float) -> Shape:
     """A shape of one turn on that turn, the one before it and the one behind it."""
-    from shapely import union_all
-    from shapely.affinity import translate
-
     return union_all([translate(shape, 0.0, k * turn) for k in (-1, 0, 1)])
 
 
@@ -251,14 +234,12 @@ CORNERS: tuple[tuple[Face, bool, Face, bool], ...] = (
 
 
 def square_to_surface(
-    least: "Manifold", most: "Manifold", part: Part, narrow: Margins
+    least: "Manifold", most: "Manifold", part: Part, smallest: Margins
 ) -> "tuple[Manifold, Manifold]":
     """The least and the most steel of a part whose walls are cut square to their surface."""
-    from shapely import box
-
     skin, wall = skin_of(part)
     shape = unrolled(most, skin, wall + FREE)
-    slack = -narrow.end
+    slack = -smallest.end
     gone = []
     leaning = _leaning(part, skin) if part.profile.code == "M" else ()
     for first, last, steel, middle in leaning:
@@ -266,7 +247,7 @@ def square_to_surface(
         grown = steel.buffer(slack, join_style="mitre").intersection(band)
         shape = shape.difference(band).union(grown)
         gone.append(band.difference(steel.buffer(-slack, join_style="mitre")))
-    endless = replace(narrow, end=-FAR)
+    endless = replace(smallest, end=-FAR)
     most = wrapped(shape, skin, -FREE, wall + FREE) ^ stock_solid(part, endless)
     return minus(least, [wrapped(one, skin, -FREE, wall + FREE) for one in gone]), most
 
@@ -282,10 +263,12 @@ def skew_ends(part: Part) -> int:
 def _leaning(part: Part, skin: Skin) -> Iterator[tuple[float, float, Shape, tuple[float, float]]]:
     """Corners with lines that lean on a face beside them: u from and to, the steel in (x, u) with a
     margin of u, and from which x to which it counts, as planes of ends are no lines of faces."""
-    from shapely import Polygon, union_all
-
     r = skin.radius
-    steel = {face: _steel(part, face) for face in ("u", "v", "o", "h")}
+    steel = {
+        face: drawn_steel([f for f in part.features if getattr(f, "face", "") == face],
+                          part.length, part.profile.face_width(face))
+        for face in ("u", "v", "o", "h")
+    }  # fmt: skip
     turns = np.linspace(0.0, pi / 2, LEVELS)
     planes = [*end_planes(part, drawn=True)]
     for k, (a, a_high, b, b_high) in enumerate(CORNERS):
@@ -301,7 +284,11 @@ def _leaning(part: Part, skin: Skin) -> Iterator[tuple[float, float, Shape, tupl
             for x in (at - (n[1] * edge[0] + n[2] * edge[1]) / n[0],)
         ]
         inner = slice(1 if is_plane[0] else 0, -1 if is_plane[1] else None)
-        if max(_most_bent(one[:, inner]) for one in (of_a, of_b)) < CHORD:
+        bent = 0.0
+        for lines in (of_a[:, inner], of_b[:, inner]):
+            jumps = (np.abs(np.diff(lines, axis=0)) > OUTLINE_NOISE).any(axis=0)
+            bent = max(bent, float(np.ptp(lines[:, ~jumps], axis=0).max(initial=0.0)))
+        if bent < CHORD:
             continue
         share = (turns / (pi / 2))[:, None]
         lines = of_a + of_b - ((1 - share) * of_b[0] + share * of_a[-1])
@@ -324,8 +311,6 @@ def _leaning(part: Part, skin: Skin) -> Iterator[tuple[float, float, Shape, tupl
 def edges_on_rounds(part: Part, slack: float) -> "Iterator[Manifold]":
     """What may stay of a rectangular tube at lines of its contours that go along it in the round of
     a corner: they are cut square to the surface where the wall reaches farthest."""
-    from shapely import box
-
     if part.profile.code != "M":
         return
     skin, wall = skin_of(part)
@@ -342,37 +327,18 @@ def edges_on_rounds(part: Part, slack: float) -> "Iterator[Manifold]":
                 yield wrapped(area, skin, -FREE, wall + FREE)
 
 
-def _most_bent(lines: Floats) -> float:
-    """mm along the part that lines beside an edge lean, but those that jump along the part."""
-    jumps = (np.abs(np.diff(lines, axis=0)) > OUTLINE_NOISE).any(axis=0)
-    return float(np.ptp(lines[:, ~jumps], axis=0).max(initial=0.0))
-
-
-def _steel(part: Part, face: Face) -> Shape:
-    """What is drawn of a face."""
-    from shapely import Polygon, box, union_all
-
-    own = [f for f in part.features if getattr(f, "face", "") == face]
-    outer = [f for f in own if isinstance(f, Contour) and f.kind == "outer" and is_cut(f)]
-    wide = part.profile.face_width(face)
-    steel: Shape = box(0.0, 0.0, part.length, wide)
+def drawn_steel(features: Sequence[Feature], length: float, wide: float) -> Shape:
+    """What features leave of a wall, in (x, q) of its face."""
+    outer = [f for f in features if isinstance(f, Contour) and f.kind == "outer" and is_cut(f)]
+    steel: Shape = box(0.0, 0.0, length, wide)
     if outer:
         strip = box(-FAR, 0.0, FAR, wide)
         steel = union_all([shape_of(f.curves) for f in outer]).intersection(strip)
-    for f in own:
-        if isinstance(f, Contour) and f.kind == "inner" and is_cut(f):
-            steel = steel.difference(shape_of(f.curves))
-        elif isinstance(f, Slot):
-            steel = steel.difference(slot_shape(f))
-        elif isinstance(f, Hole) and f.kind != "mark":
-            steel = steel.difference(Polygon(circle(f.x, f.y, f.diameter / 2)))
-    return steel
+    return steel.difference(union_all([taken(f) for f in features]))
 
 
 def _lines(steel: Shape, wide: float, at_high: bool, offs: Floats) -> Floats | None:
     """x of the lines of a face at places off its edge, along the part; None where one ends."""
-    from shapely import LineString
-
     rows = []
     for off in np.clip(offs, CHORD / 2, wide - CHORD / 2):
         y = wide - off if at_high else off

@@ -7,6 +7,7 @@ nothing is shared with planning and motion, nor is the map of surfaces that they
 """
 
 from collections.abc import Collection, Sequence
+from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
@@ -16,8 +17,10 @@ from beamcam.controllers.events import BarEvent, in_degrees
 from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.machine.coper import TUBES, Coper
 from beamcam.machine.machine import Machine
-from beamcam.machine.torch import TorchRow, is_row_for, material_said
 from beamcam.model.part import Part
+
+if TYPE_CHECKING:
+    from beamcam.checks.coping.chart import CoperJob
 
 
 def verify_coping(
@@ -33,9 +36,10 @@ def verify_coping(
     part only its blocks are read. Raises TypeError for a machine without a coper.
     """
     from beamcam.checks.coping import rules
+    from beamcam.checks.coping.chart import job_of
     from beamcam.checks.coping.lying import lying
+    from beamcam.checks.coping.required_wall import may_be_left
     from beamcam.checks.coping.tube import tube_faults, tube_section
-    from beamcam.checks.coping.wanted import may_be_left
     from beamcam.model.rounds import rolled
 
     coper = machine.needed(machine.coper, "coper")
@@ -67,14 +71,12 @@ def verify_coping(
             ))  # fmt: skip
         part = replace(part, profile=replace(part.profile, lip=lip))
     part = lying(part)
-    material = material_said(part.grade, coper.material)
-    rows = [row for row in coper.rows if is_row_for(row.material, material)]
-    left = may_be_left(part, machine, coper, skips)
+    job, left = job_of(part, machine, name), may_be_left(part, machine, coper, skips)
     if coper.unrolls(part.profile.code):
         events = in_degrees(events, coper, part.profile.height)
-        diagnostics += tube_faults(events, part, machine, coper, rows, left, name)
+        diagnostics += tube_faults(events, job, left)
     else:
-        diagnostics += _profile_faults(events, part, machine, coper, rows, left, name)
+        diagnostics += _profile_faults(events, job, left)
     if errors_in(diagnostics):
         return tuple(diagnostics)
     return (*diagnostics, *left_to_manual_work(part, machine), *left_out(part, left))
@@ -88,42 +90,35 @@ def codes_read(coper: Coper) -> tuple[str, ...]:
 
 
 def _profile_faults(
-    events: Sequence[BarEvent], part: Part, machine: Machine, coper: Coper,
-    rows: Sequence[TorchRow], left: Collection[int], name: str,
-) -> list[Diagnostic]:  # fmt: skip
-    """What is wrong with a torch that goes round a profile, or over one that turns, and what it
-    leaves for manual work."""
+    events: Sequence[BarEvent], job: "CoperJob", left: Collection[int]
+) -> list[Diagnostic]:
+    """What is wrong with the program of a profile, and what it leaves for manual work."""
     from beamcam.checks.coping.collisions import collision_faults, turned_unseen
-    from beamcam.checks.coping.compare import compare
-    from beamcam.checks.coping.profile_torch import ProfileTorch
-    from beamcam.checks.coping.required import is_outline_of, walls_asked
+    from beamcam.checks.coping.compare import WallComparison
+    from beamcam.checks.coping.profile_torch import ProfileTorch, TurnedTorch
+    from beamcam.checks.coping.required import RequiredWalls
     from beamcam.checks.coping.section import CoperSection
     from beamcam.checks.coping.skew import plane_faults, skew_ends
     from beamcam.checks.coping.stock import stock_of
-    from beamcam.checks.coping.turned import TurnedTorch
     from beamcam.checks.coping.zones import chuck_faults, root_faults, support_faults
 
+    part, coper, name = job.part, job.coper, job.name
     section = CoperSection(part.profile)
     does_turn = coper.turns == "bar"
-    torch = (TurnedTorch if does_turn else ProfileTorch)(machine, coper, section, rows, name)
+    torch = (TurnedTorch if does_turn else ProfileTorch)(job, section)
     torch.follow(events)
     diagnostics = [*torch.diagnostics, *collision_faults(torch.ways, section, coper, name)]
     if does_turn:
         diagnostics += turned_unseen(events, section, coper, name)
-        diagnostics += chuck_faults(torch.ways, part, coper, name)
+        diagnostics += chuck_faults(torch.ways, job)
     if errors_in(diagnostics):
         return diagnostics
     diagnostics += plane_faults(part, section, skew_ends(part, section), left)
     stock = stock_of(part, section, coper)
-    asked = walls_asked(part, section, coper, rows, left, stock, torch.strokes)
-    diagnostics += compare(
-        torch.strokes, asked.wanted, asked.ends, asked.made, asked.passes, stock, section, coper,
-        rows, machine.format.resolution, name,
-    )  # fmt: skip
-    diagnostics += root_faults(torch.strokes, section, coper, name)
-    diagnostics += support_faults(torch.strokes, coper, name)
-    hand = (
-        manual_work(f, part, machine) for k, f in enumerate(part.features)
-        if k not in left and (is_outline_of(f, asked.off) or asked.has_bevels_left(k, f, coper))
-    )  # fmt: skip
+    required = RequiredWalls(job, section, stock, left, torch.strokes)
+    diagnostics += WallComparison(torch.strokes, required, stock, section, job).faults()
+    diagnostics += root_faults(torch.strokes, section, job)
+    diagnostics += support_faults(torch.strokes, job)
+    features = ((k, f) for k, f in enumerate(part.features) if k not in left)
+    hand = (manual_work(f, part, job.machine) for k, f in features if required.is_left(k, f))
     return [*diagnostics, *hand]

@@ -18,6 +18,8 @@ from typing import Any
 
 from msgspec import Struct
 from msgspec.structs import replace
+from shapely import LineString, Polygon, make_valid
+from shapely import Point as Place
 
 from beamcam.checks.coping import rules
 from beamcam.checks.coping.lying import other_side
@@ -63,15 +65,15 @@ class BevelledEdge(Struct, frozen=True):
 
     def _lines(self, mm: float) -> list[list[Point]]:
         """The line so far inside of each of its curves."""
-        found: list[list[Point]] = []
+        lines: list[list[Point]] = []
         for curve in self.curves:
             count = 1 if isinstance(curve, Line) else ceil(curve.length / STEP)
             line = []
             for k in range(count + 1):
                 (x, y), (dx, dy) = curve.point(k / count), curve.tangent(k / count)
                 line.append((x - mm * dy, y + mm * dx))
-            found.append(line)
-        return found
+            lines.append(line)
+        return lines
 
     def inside(self, mm: float, longer: float = 0.0, wide: float = 0.0) -> list[Point]:
         """The line so far inside of it, longer at both ends, and at a blunt corner as far as a
@@ -92,8 +94,6 @@ class BevelledEdge(Struct, frozen=True):
 
     def strip(self, depth: float) -> Shape:
         """What the bevel takes of its wall, so far below the face."""
-        from shapely import Polygon, make_valid
-
         over_land = self.thickness - self.bevel.land - depth
         wide = max(0.0, over_land * tan(radians(self.bevel.angle)))
         if not wide:
@@ -106,23 +106,16 @@ class BevelledEdge(Struct, frozen=True):
         return whole.buffer(HAIR, join_style="mitre")
 
 
-class BevelPass(BevelledEdge, frozen=True):
+class BevelPass(Struct, frozen=True):
     """A bevelled edge of a part, and the stroke that makes it."""
 
+    edge: BevelledEdge
     stroke: TorchStroke
-
-    @property
-    def is_lower(self) -> bool:
-        """Whether it is of the far side of its wall."""
-        return self.bevel.angle < 0.0
 
     def beside(self, strokes: Sequence[TorchStroke], section: CoperSection) -> list[int]:
         """The lines of the square strokes along it, in their order, but where the bar has the edge;
         none where it has all of it."""
-        from shapely import LineString
-        from shapely import Point as Place
-
-        middles = [Place(curve.point(share)) for curve in self._cut(section)
+        middles = [Place(curve.point(share)) for curve in self.cut(section)
                    for share in (0.3, 0.5, 0.7)]  # fmt: skip
         return [] if not middles else [
             s.line for s in strokes
@@ -131,15 +124,11 @@ class BevelPass(BevelledEdge, frozen=True):
                     for place in middles)
         ]  # fmt: skip
 
-    def is_rolled(self, section: CoperSection) -> bool:
-        """Whether it is all an edge that the bar has."""
-        return not self._cut(section)
-
-    def _cut(self, section: CoperSection) -> list[Curve]:
+    def cut(self, section: CoperSection) -> list[Curve]:
         """Its curves that do not lie on an edge of the bar."""
         wide = section.high if self.stroke.face == "v" else section.wide
         return [
-            curve for curve in self.curves
+            curve for curve in self.edge.curves
             if not isinstance(curve, Line)
             or (curve.start[1], curve.end[1]) not in ((0.0, 0.0), (wide, wide))
         ]  # fmt: skip
@@ -149,8 +138,7 @@ def passes_of(
     part: Part, section: CoperSection, coper: Coper, strokes: Sequence[TorchStroke],
     ends: Sequence[SkewEnd],
 ) -> list[BevelPass]:  # fmt: skip
-    """The bevelled edges of a part that strokes make, each stroke once; not the bevels that tilted
-    `ends` show."""
+    """The bevelled edges that strokes make; not the bevels that tilted `ends` show."""
     passes: list[BevelPass] = []
     if section.lip:  # a pass would go on into a lip
         return passes
@@ -167,19 +155,23 @@ def passes_of(
                 None,
             )  # fmt: skip
             if one is not None:
-                passes.append(BevelPass(f, edge.bevel, edge.curves, edge.thickness, edge.drawn,
-                                        edge.turns, edge.is_ring, one))  # fmt: skip
+                passes.append(BevelPass(edge, one))
     return passes
 
 
 def _edges(f: int, contour: Contour, section: CoperSection, coper: Coper) -> Iterator[BevelledEdge]:
     """The bevelled edges of a contour."""
-    from shapely import Polygon
-
     face = "v" if contour.face == "h" else contour.face
     thick, wide = section.thickness(face), section.high if face == "v" else section.wide
     which = [k for k, curve in enumerate(contour.curves) if curve.length > SAME]
-    curves = [_at_edge(contour.curves[k], wide) for k in which]
+    curves: list[Curve] = []
+    for curve in (contour.curves[k] for k in which):
+        if isinstance(curve, Line):  # near an edge of its wall on that
+            (xa, ya), (xb, yb) = curve.start, curve.end
+            ya, yb = (0.0 if abs(y) <= AT_EDGE else wide if abs(y - wide) <= AT_EDGE else y
+                      for y in (ya, yb))  # fmt: skip
+            curve = Line((xa, ya), (xb, yb)) if hypot(xb - xa, yb - ya) > SAME else curve
+        curves.append(curve)
     there = [[b for b in contour.bevels if b.curve == k and abs(b.angle) >= coper.min_bevel]
              for k in which]  # fmt: skip
     ring = Polygon([c.point(share) for c in curves for share in (0.0, 0.25, 0.5, 0.75)])
@@ -187,35 +179,35 @@ def _edges(f: int, contour: Contour, section: CoperSection, coper: Coper) -> Ite
         curves, there = [c.reversed() for c in reversed(curves)], there[::-1]
     for side in (1.0, -1.0):
         own = [next((b for b in some if b.angle * side > 0.0), None) for some in there]
-        found: list[list[int]] = []
+        chains: list[list[int]] = []
         for k, bevel in enumerate(own):
             if bevel is None:
                 continue
-            goes_on = found and found[-1][-1] == k - 1
+            goes_on = chains and chains[-1][-1] == k - 1
             if goes_on and _is_one(own[k - 1], bevel, curves[k - 1 : k + 1]):
-                found[-1].append(k)
+                chains[-1].append(k)
             else:
-                found.append([k])
+                chains.append([k])
         first, last = own[0], own[-1]
-        if len(found) > 1 and found[0][0] == 0 and found[-1][-1] == len(own) - 1 and _is_one(
+        if len(chains) > 1 and chains[0][0] == 0 and chains[-1][-1] == len(own) - 1 and _is_one(
             last, first, (curves[-1], curves[0])
         ):  # fmt: skip
-            found[0] = [*found.pop(), *found[0]]
-        is_ring = len(found) == 1 and len(found[0]) == len(own) and _is_one(
+            chains[0] = [*chains.pop(), *chains[0]]
+        is_ring = len(chains) == 1 and len(chains[0]) == len(own) and _is_one(
             last, first, (curves[-1], curves[0])
         )  # fmt: skip
-        for chain in found:
+        for chain in chains:
             bevel = own[chain[0]]
             assert bevel is not None
             land = bevel.land or (thick if bevel.angle < 0.0 else 0.0)
-            asked = Bevel(bevel.curve, bevel.angle, land)
+            seen = Bevel(bevel.curve, bevel.angle, land)
             if contour.face == "h":  # seen through the web
-                asked = other_side(bevel, section.web)
+                seen = other_side(bevel, section.web)
             drawn = tuple(b for k in chain if (b := own[k]) is not None)
             some = tuple(curves[k] for k in chain)
             after = curves[(chain[-1] + 1) % len(curves)]
             turns = _blunt(curves[chain[0] - 1], some[0]), _blunt(some[-1], after)
-            yield BevelledEdge(f, asked, some, thick, drawn, turns, is_ring)
+            yield BevelledEdge(f, seen, some, thick, drawn, turns, is_ring)
 
 
 def _blunt(before: Curve, after: Curve) -> float:
@@ -236,7 +228,7 @@ def _is_one(a: Bevel | None, b: Bevel | None, curves: Sequence[Curve]) -> bool:
 
 
 def _crossing(before: Sequence[Point], after: Sequence[Point]) -> Point:
-    """Where two stretches, gone on straight, cross; the end of the first where they are one."""
+    """Where two segments, gone on straight, cross; the end of the first where they are one."""
     ((ax, ay), (bx, by)), ((cx, cy), (dx, dy)) = before, after
     (ux, uy), (vx, vy) = (bx - ax, by - ay), (dx - cx, dy - cy)
     across = ux * vy - uy * vx
@@ -246,20 +238,8 @@ def _crossing(before: Sequence[Point], after: Sequence[Point]) -> Point:
     return ax + share * ux, ay + share * uy
 
 
-def _at_edge(curve: Curve, wide: float) -> Curve:
-    """A curve; the ends of a straight one near an edge of its wall on that."""
-    if not isinstance(curve, Line):
-        return curve
-    (xa, ya), (xb, yb) = curve.start, curve.end
-    ya, yb = (0.0 if abs(y) <= AT_EDGE else wide if abs(y - wide) <= AT_EDGE else y
-              for y in (ya, yb))  # fmt: skip
-    return Line((xa, ya), (xb, yb)) if hypot(xb - xa, yb - ya) > SAME else curve
-
-
 def _makes(stroke: TorchStroke, edge: BevelledEdge, over: float) -> bool:
     """Whether a stroke is the pass of a bevel, `over` mm longer than its edge and half a kerf."""
-    from shapely import LineString
-
     bevel, half = edge.bevel, stroke.row.kerf / 2
     if not stroke.is_tilted or len(stroke.points) < 3:
         return False
@@ -284,25 +264,22 @@ def ends_of_passes(
 ) -> dict[int, bool]:  # fmt: skip
     """Whether passes are of the far end, by their lines, as the square cuts along them are; those
     through all of the wall and the cuts that end in their kerfs are of one end."""
-    found = dict(far)
-    whole = [one.stroke for one in passes if one.is_whole]
+    ends = dict(far)
+    whole = [one.stroke for one in passes if one.edge.is_whole]
     square = [s for s in strokes if all(s is not one.stroke for one in passes)]
     for stroke in whole * len(whole):
         own = _ending_in(stroke, square)
-        is_far = any(found[line] for line in (stroke.line, *own))
-        found |= dict.fromkeys((stroke.line, *own), is_far)
+        is_far = any(ends[line] for line in (stroke.line, *own))
+        ends |= dict.fromkeys((stroke.line, *own), is_far)
     for one in passes:
-        beside = [found[line] for line in one.beside(strokes, section)]
-        if not one.is_whole:
-            found[one.stroke.line] = bool(beside) and beside[0]
-    return found
+        beside = [ends[line] for line in one.beside(strokes, section)]
+        if not one.edge.is_whole:
+            ends[one.stroke.line] = bool(beside) and beside[0]
+    return ends
 
 
 def _ending_in(stroke: TorchStroke, others: Sequence[TorchStroke]) -> list[int]:
     """The lines of the strokes on its wall that end in the kerf of a stroke."""
-    from shapely import LineString
-    from shapely import Point as Place
-
     way, reach = LineString(stroke.points), stroke.row.kerf / 2 / stroke.share
     return [s.line for s in others
             if s.face == stroke.face and way.distance(Place(s.points[-1])) <= reach]  # fmt: skip
@@ -316,44 +293,30 @@ def pass_faults(
 
     `far` says of each stroke by its line whether it is of the far end of a bar.
     """
-    from shapely import Point as Place
-
     of_pass = {one.stroke.line for one in passes}
     square = [s for s in strokes if s.line not in of_pass]
-    whole = [one.stroke for one in passes if one.is_whole]
+    whole = [one.stroke for one in passes if one.edge.is_whole]
     parted = max((s.line for s in (*square, *whole) if far.get(s.line)), default=0)
     for one in passes:
-        along = one.beside(square, section)
-        is_rolled = one.is_rolled(section)
-        if one.is_whole:
+        edge, line, along = one.edge, one.stroke.line, one.beside(square, section)
+        x, y = one.stroke.points[0]
+        expected = ""
+        if edge.is_whole:
+            if any(other < line for other in _ending_in(one.stroke, square)):
+                expected = "before the square cuts beside it, whose kerfs its arc would cross"
             if along:
+                whole_of = "no square cut along its edge, which goes through all of the wall"
                 yield rules.PASSES.at(
-                    Source(name, along[0]), face=one.stroke.face,
-                    expected="no square cut along its edge, which goes through all of the wall",
-                )  # fmt: skip
-            if any(line < one.stroke.line for line in _ending_in(one.stroke, square)):
-                yield rules.PASSES.at(
-                    Source(name, one.stroke.line), face=one.stroke.face,
-                    expected="before the square cuts beside it, whose kerfs its arc would cross",
-                )  # fmt: skip
-        elif one.is_lower:
-            if not along or min(along) < one.stroke.line:
-                yield rules.PASSES.at(
-                    Source(name, one.stroke.line), face=one.stroke.face,
-                    expected="before the square cut along its edge, through all of the wall",
-                )  # fmt: skip
-        elif one.strip(0.0).distance(Place(one.stroke.points[0])) > BESIDE:
-            x, y = one.stroke.points[0]
-            yield rules.AIR.at(
-                Source(name, one.stroke.line), x=f"{x:.1f}", y=f"{y:.1f}", face=one.stroke.face
-            )
-        elif not is_rolled and (not along or min(along) > one.stroke.line):
-            yield rules.PASSES.at(
-                Source(name, one.stroke.line), face=one.stroke.face,
-                expected="after the square cut along its edge, which leaves the land",
-            )  # fmt: skip
-        elif far.get(one.stroke.line) and one.stroke.line > parted:
-            yield rules.PASSES.at(
-                Source(name, one.stroke.line), face=one.stroke.face,
-                expected="before the cut that parts the piece from its bar",
-            )  # fmt: skip
+                    Source(name, along[0]), face=one.stroke.face, expected=whole_of
+                )
+        elif edge.bevel.angle < 0.0:
+            if not along or min(along) < line:
+                expected = "before the square cut along its edge, through all of the wall"
+        elif edge.strip(0.0).distance(Place(x, y)) > BESIDE:
+            yield rules.AIR.at(Source(name, line), x=f"{x:.1f}", y=f"{y:.1f}", face=one.stroke.face)
+        elif one.cut(section) and (not along or min(along) > line):
+            expected = "after the square cut along its edge, which leaves the land"
+        elif far.get(line) and line > parted:
+            expected = "before the cut that parts the piece from its bar"
+        if expected:
+            yield rules.PASSES.at(Source(name, line), face=one.stroke.face, expected=expected)

@@ -4,18 +4,18 @@ A face counts within its outlines, v and h also within that of the other one; wi
 from 0 to the length of the part, and of a piece that comes cut into the air before its ends.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from math import isnan
 from typing import Any
 
 from msgspec import Struct
+from shapely import Polygon, bounds, box, intersection, linestrings, union_all
 
 from beamcam.checks.coping.section import TubeSection
-from beamcam.checks.coping.stock import outline_ring, ring_of, slot_ring
-from beamcam.checks.coping.tube_piece import AIR, PieceAsked, short_by, with_air
-from beamcam.checks.coping.tube_planes import FAR
+from beamcam.checks.coping.stock import outline_ring, ring_of, taken
+from beamcam.checks.coping.tube_ends import AIR, FAR, PieceAsked, short_by, with_air
 from beamcam.geometry.plane import Point
-from beamcam.model.part import Contour, Hole, Part, Slot
+from beamcam.model.part import Contour, Part
 
 Shape = Any  #: of shapely
 
@@ -30,21 +30,18 @@ class BoxWall(Struct, frozen=True):
     is_drawn: bool
 
     def ends(self) -> tuple[list[Point], list[Point]]:
-        """x and y of places along both ends; FAR of what has no steel, but none of a slot's
-        floor."""
-        from shapely import bounds, intersection, linestrings
-
+        """x and y of places along both ends, but a slot's floor; FAR where there is no steel."""
         ys = [self.wide * k / 20 for k in range(1, 20)]
         across = linestrings([((-FAR, y), (FAR, y)) for y in ys])
         start, _, end, _ = bounds(intersection(across, self.steel)).T.tolist()
-        found: tuple[list[Point], list[Point]] = [], []
-        for side, xs, places in zip((-1, 1), (start, end), found, strict=True):
+        ends: tuple[list[Point], list[Point]] = [], []
+        for side, xs, places in zip((-1, 1), (start, end), ends, strict=True):
             first, last = xs[0], xs[-1]
             for y, x in zip(ys, xs, strict=True):
                 chord = first + (last - first) * (y - ys[0]) / (ys[-1] - ys[0])
                 if isnan(x) or side * (x - chord) >= -DEEP:
                     places.append((FAR if isnan(x) else x, y))
-        return found
+        return ends
 
 
 def outlines_of(face: str, features: Sequence[Any]) -> list[Contour]:
@@ -54,20 +51,11 @@ def outlines_of(face: str, features: Sequence[Any]) -> list[Contour]:
     return own or [f for f in outer if face in "vh" and f.face in "vh"]
 
 
-def voids_of(face: str, features: Sequence[Any]) -> Iterator[Any]:
-    """All else of a face."""
-    for feature in features:
-        if getattr(feature, "face", "") == face and getattr(feature, "kind", "") != "outer":
-            yield feature
-
-
 def outlined(
     part: Part, face: str, features: Sequence[Any], section: TubeSection,
     piece: PieceAsked | None = None,
 ) -> BoxWall:  # fmt: skip
     """A face within its outline; of a piece that comes cut with the air before its ends."""
-    from shapely import box, union_all
-
     wide = part.profile.height if face in "vh" else part.profile.width
     rings = _rings_of(part, face, features, section, piece)
     there = piece.faces[face] if piece else None
@@ -85,7 +73,7 @@ def _rings_of(
     """The outlines of a face; that of the other web is not asked of one whose own is there."""
     wide = part.profile.height if face in "vh" else part.profile.width
     return [
-        _gone_on(outline_ring(f.curves, (0.0, wide), lambda place: place), wide, section.radius)
+        _gone_on(outline_ring(f.curves, (0.0, wide)), wide, section.radius)
         for f in outlines_of(face, features)
         if f.face == face or piece is None or not piece.faces[face].has_outline
     ]
@@ -95,12 +83,12 @@ def short_face(
     part: Part, features: Sequence[Any], section: TubeSection, piece: PieceAsked | None
 ) -> tuple[str, float]:
     """The face on which an outline goes on farthest beyond a piece that comes cut, and how far."""
-    found = [
+    rings = [
         (short_by(ring, piece.faces[face]), face)
         for face in (piece.faces if piece else ()) if piece
         for ring in _rings_of(part, face, features, section, piece)
     ]  # fmt: skip
-    far, face = max(found, default=(0.0, ""))
+    far, face = max(rings, default=(0.0, ""))
     return face, far
 
 
@@ -109,7 +97,7 @@ def _gone_on(ring: list[Point], wide: float, radius: float) -> list[Point]:
     ys = [y for _, y in ring]
     sides = [(0.0, radius)] if abs(min(ys) - radius) <= APART else []
     sides += [(wide, wide - radius)] if abs(max(ys) - wide + radius) <= APART else []
-    found: list[Point] = []
+    longer: list[Point] = []
     for k, (x, y) in enumerate(ring):
         before, after = ring[k - 1], ring[(k + 1) % len(ring)]
         for edge, tangent in sides:
@@ -118,19 +106,14 @@ def _gone_on(ring: list[Point], wide: float, radius: float) -> list[Point]:
                 xb, yb = before if off[2] else after
                 x, y = x + (edge - y) * (xb - x) / (yb - y), edge
                 break
-        found.append((x, y))
-    return found
+        longer.append((x, y))
+    return longer
 
 
 def void_of(feature: Any, piece: PieceAsked | None = None) -> Shape:
     """What a feature takes of its face; nothing where it is an outline."""
-    from shapely import MultiPoint, Polygon
-    from shapely import Point as Place
-
-    if isinstance(feature, Hole):
-        return Place(feature.x, feature.y).buffer(feature.diameter / 2, 64)
-    if isinstance(feature, Slot):
-        return MultiPoint(list(slot_ring(feature))).convex_hull
-    if isinstance(feature, Contour) and feature.kind == "inner":
+    if not isinstance(feature, Contour):
+        return taken(feature)
+    if feature.kind == "inner":
         return with_air(ring_of(feature.curves), piece.faces[feature.face] if piece else None)
     return Polygon()

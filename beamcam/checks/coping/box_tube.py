@@ -11,6 +11,8 @@ from math import asin, hypot, pi, radians, sin, tan
 from typing import Any
 
 from msgspec import Struct
+from shapely import Polygon, box, get_coordinates, line_merge, transform, union_all
+from shapely.affinity import translate
 
 from beamcam.checks.coping.box_faces import (
     APART,
@@ -19,20 +21,18 @@ from beamcam.checks.coping.box_faces import (
     outlines_of,
     short_face,
     void_of,
-    voids_of,
 )
+from beamcam.checks.coping.required_wall import corners_of, with_corners_cut
 from beamcam.checks.coping.section import TubeSection, areas_of, pieces_of
 from beamcam.checks.coping.stock import FINE
-from beamcam.checks.coping.tube_piece import (
+from beamcam.checks.coping.tube_ends import (
+    FAR,
+    SQUARE_DEG,
+    End,
     FaceEnds,
     PieceAsked,
     Xs,
     ends_of_shape,
-)
-from beamcam.checks.coping.tube_planes import (
-    FAR,
-    SQUARE_DEG,
-    End,
     is_stated,
     kept,
     planes_of,
@@ -40,7 +40,6 @@ from beamcam.checks.coping.tube_planes import (
     surfaces_of,
     x_on,
 )
-from beamcam.checks.coping.wanted import corners_of, with_corners_cut
 from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper
 from beamcam.model.part import Contour, Part
@@ -57,7 +56,7 @@ CORNERS = (("u", True, "v", False), ("v", True, "o", True), ("o", False, "h", Tr
            ("h", False, "u", False))  # fmt: skip
 
 
-class TubeWanted(Struct, frozen=True):
+class RequiredTube(Struct, frozen=True):
     """What has to stay of three turns of the surface, and how skew a square cut leaves walls."""
 
     drawn: Shape
@@ -68,14 +67,10 @@ class TubeWanted(Struct, frozen=True):
     short: tuple[str, float] = "", 0.0
 
 
-def box_wanted(
+def required_box(
     part: Part, coper: Coper, left: set[int], section: TubeSection, piece: PieceAsked | None = None
-) -> TubeWanted:
-    """What has to stay of a part, or of a piece that comes cut; `left` are features that are not
-    made."""
-    from shapely import union_all
-    from shapely.affinity import translate
-
+) -> RequiredTube:
+    """What has to stay of a part or a piece; `left` are features that are not made."""
     features = [f for k, f in enumerate(part.features) if k not in left]
     walls = {face: outlined(part, face, features, section, piece) for face in "uvoh"}
     ends = _ends(part, walls, section)
@@ -86,7 +81,9 @@ def box_wanted(
     ending: dict[str, list[Shape]] = {face: [] for face in walls}
     for face, wall in walls.items():
         steel = _ended(wall, ends, section)
-        for feature in [*outlines_of(face, features), *voids_of(face, features)]:
+        others = [f for f in features if getattr(f, "face", "") == face
+                  and getattr(f, "kind", "") != "outer"]  # fmt: skip
+        for feature in [*outlines_of(face, features), *others]:
             void = void_of(feature, piece)
             if _into_corner(void, wall.wide, section.radius):
                 ending[face].append(void)
@@ -106,7 +103,7 @@ def box_wanted(
     for k, corner in enumerate(CORNERS):
         shape = _rounded(k, walls, ends, section, off)
         if shape is None:
-            return TubeWanted(shapes[0], shapes[0], off, f"{corner[0]} and {corner[2]}")
+            return RequiredTube(shapes[0], shapes[0], off, f"{corner[0]} and {corner[2]}")
         seen = [
             _in_corner(void, walls[face].wide, at_high, is_first, k, section)
             for face, at_high, is_first in ((*corner[:2], True), (*corner[2:], False))
@@ -119,15 +116,13 @@ def box_wanted(
         drawn = kept(drawn, side, end, section)
     drawn = areas_of(drawn.intersection(piece.steel) if piece else drawn)
     cut = with_corners_cut(drawn, corners, coper.corner_radius, turn)
-    told = {f: mm for f, mm in off.items() if mm >= LEAST_OFF}
-    return TubeWanted(drawn, cut, told, short=short_face(part, features, section, piece))
+    skew_walls = {f: mm for f, mm in off.items() if mm >= LEAST_OFF}
+    return RequiredTube(drawn, cut, skew_walls, short=short_face(part, features, section, piece))
 
 
 def box_outlines(part: Part, coper: Coper, section: TubeSection) -> Iterator[list[Point]]:
     """The outlines of what is drawn on one turn of the surface, for pictures."""
-    from shapely import box
-
-    drawn = box_wanted(part, coper, set(), section).drawn
+    drawn = required_box(part, coper, set(), section).drawn
     for one in pieces_of(drawn.intersection(box(-FAR, 0.0, FAR, section.turn))):
         for ring in (one.exterior, *one.interiors):
             yield [(x, s) for x, s in ring.coords[:-1]]
@@ -141,7 +136,7 @@ def box_ends(part: Part, section: TubeSection) -> tuple[dict[str, FaceEnds], flo
     the two surfaces of a wall end at most."""
     walls = {face: outlined(part, face, part.features, section) for face in "uvoh"}
     own, skew = [*planes_of(part, (), section)], _ends(part, walls, section)
-    found: dict[str, FaceEnds] = {}
+    ends: dict[str, FaceEnds] = {}
     apart = 0.0
     for face, wall in walls.items():
         rows = []
@@ -162,8 +157,8 @@ def box_ends(part: Part, section: TubeSection) -> tuple[dict[str, FaceEnds], flo
 
             rows.append(xs)
         outlines = any(f.face == face for f in outlines_of(face, part.features))
-        found[face] = FaceEnds(rows[0], rows[1], part.length, outlines)
-    return found, apart
+        ends[face] = FaceEnds(rows[0], rows[1], part.length, outlines)
+    return ends, apart
 
 
 def _ends(
@@ -208,18 +203,18 @@ def _end(
         matrix, values = np.array(rows), np.array(xs)
         if web or flange:
             given = matrix[:, 1] * web + matrix[:, 2] * flange
-            found = np.array([np.mean(values - given), web, flange])
+            solution = np.array([np.mean(values - given), web, flange])
         else:
             # Round the means, so that a slope of which no face says anything is none.
             around = matrix[:, 1:] - matrix[:, 1:].mean(axis=0)
             slopes = np.linalg.lstsq(around, values - values.mean(), rcond=None)[0]
-            found = np.array([np.mean(values - matrix[:, 1:] @ slopes), *slopes])
-        worst = float(np.max(np.abs(matrix @ found - values)))
-        by_y, by_z = float(found[1]), float(found[2])
+            solution = np.array([np.mean(values - matrix[:, 1:] @ slopes), *slopes])
+        worst = float(np.max(np.abs(matrix @ solution - values)))
+        by_y, by_z = float(solution[1]), float(solution[2])
         if worst > APART / 2 or min(signs[0] * by_y, signs[1] * by_z) < -LEVEL:
             continue
         if best is None or worst < best[0]:
-            best = worst, (float(found[0]), by_y, by_z)
+            best = worst, (float(solution[0]), by_y, by_z)
     if best is None or max(map(abs, best[1][1:])) <= LEVEL:
         return None
     return best[1]
@@ -233,9 +228,6 @@ def _skew(end: End | None, section: TubeSection, face: str) -> float:
 
 def _ended(wall: BoxWall, ends: Sequence[End | None], section: TubeSection) -> Shape:
     """A face whose ends are where planes are to be cut."""
-    from shapely import Polygon, box, union_all
-    from shapely.affinity import translate
-
     low, _, high, _ = wall.steel.bounds
     steel = wall.steel if wall.is_drawn else box(
         -FAR if ends[0] else low, 0.0, FAR if ends[1] else high, wall.wide
@@ -261,8 +253,7 @@ def _ended(wall: BoxWall, ends: Sequence[End | None], section: TubeSection) -> S
 
 
 def _into_corner(void: Shape, wide: float, radius: float) -> float:
-    """How far a cut-out goes beyond the flat of its face, where it ends before the middle of the
-    corner; 0 of any other."""
+    """How far a cut-out goes into a corner where it ends before its middle, or 0."""
     if void.is_empty:
         return 0.0
     _, low, _, high = void.bounds
@@ -274,8 +265,6 @@ def _in_corner(
     void: Shape, wide: float, at_high: bool, is_first: bool, k: int, section: TubeSection
 ) -> Shape:
     """A cut-out seen square to its face, where it lies on the corner behind or before that."""
-    from shapely import Polygon, box, transform
-
     r, first = section.radius, section.corner(k)
     zone = box(-FAR, wide - r, FAR, wide) if at_high else box(-FAR, 0.0, FAR, r)
     part = void.intersection(zone)
@@ -295,8 +284,7 @@ def _in_corner(
 
 
 def _on_surface(face: str, y: float, wide: float, section: TubeSection) -> set[float]:
-    """s of a place of a face; over the corner beside it where its outside is seen, and its
-    inside."""
+    """s of a place of a face; over the corner beside it those of outside and inside."""
     r = section.radius
     flat = min(max(y, r), wide - r)
     into, rises = abs(y - flat), (y > flat) == (face in "uv")
@@ -311,8 +299,6 @@ def _on_surface(face: str, y: float, wide: float, section: TubeSection) -> set[f
 
 def _flat(wall: BoxWall, section: TubeSection) -> Shape:
     """The flat stretch of a face on the unrolled surface."""
-    from shapely import box, transform
-
     r = section.radius
     flat = wall.steel.intersection(box(-FAR, r - 1e-4, FAR, wall.wide - r + 1e-4))
 
@@ -327,19 +313,18 @@ def _flat(wall: BoxWall, section: TubeSection) -> Shape:
 def _lines(wall: BoxWall, at_high: bool, radius: float) -> list[Any]:
     """The lines of a face beside an edge by their x there, each as distances from it and x."""
     import numpy as np
-    from shapely import box, get_coordinates, line_merge
 
     low, high = (wall.wide - radius, wall.wide) if at_high else (0.0, radius)
     band = wall.steel.boundary.intersection(box(-FAR, low + INSIDE, FAR, high - INSIDE))
-    found = []
+    lines = []
     for piece in pieces_of(line_merge(band) if band.geom_type == "MultiLineString" else band):
         x, y = get_coordinates(piece).T
         off = wall.wide - y if at_high else y
         if off[0] > off[-1]:  # places at one distance stay in their order from the edge on
             off, x = off[::-1], x[::-1]
         order = np.argsort(off, kind="stable")
-        found.append((off[order], x[order]))
-    return sorted(found, key=lambda line: float(line[1][0]))
+        lines.append((off[order], x[order]))
+    return sorted(lines, key=lambda line: float(line[1][0]))
 
 
 def _rounded(
@@ -351,7 +336,6 @@ def _rounded(
 ) -> Shape | None:
     """What has to stay of a corner, or None; `off` gets what a square cut leaves beside it."""
     import numpy as np
-    from shapely import Polygon, union_all
 
     a, a_high, b, b_high = CORNERS[k]
     r = section.radius

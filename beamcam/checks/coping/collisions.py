@@ -12,6 +12,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from math import isfinite
 
 import numpy as np
+from shapely import convex_hull, distance, multipoints
 
 from beamcam.checks.coping import rules
 from beamcam.checks.coping.section import CoperSection, TubeSection
@@ -30,8 +31,6 @@ def collision_faults(
     ways: Sequence[TipMove], section: CoperSection | TubeSection, coper: Coper, name: str
 ) -> Iterator[Diagnostic]:
     """The first place of each move at which the torch comes nearer to the bar than it may."""
-    from shapely import convex_hull, distance, multipoints
-
     if not ways:
         return
     numbers, before, after = _steps(ways, coper, section.axis)
@@ -49,11 +48,11 @@ def collision_faults(
     near = np.full(close.shape, np.inf)
     near[close] = distance(section.steel, hulls)
     gaps = near.min(axis=1)
-    told: set[int] = set()
+    lines: set[int] = set()
     for step in np.flatnonzero(gaps < least).tolist():
         line = ways[numbers[step]].line
-        if line not in told and len(told) < MAX_OF_A_PROGRAM:
-            told.add(line)
+        if line not in lines and len(lines) < MAX_OF_A_PROGRAM:
+            lines.add(line)
             y, z, a, _ = after[step].tolist()
             yield rules.COLLISION.at(
                 Source(name, line), found=f"{gaps[step]:.2f}", a=f"{a:g}", y=f"{y:.1f}",

@@ -1,6 +1,6 @@
 """The walls as the strokes leave them, compared with what has to stay of each.
 
-    bar less kerfs -> pieces of each wall -> those of the part lie within what is wanted, and the
+    bar less kerfs -> pieces of each wall -> those of the part lie within what has to stay, and the
     kerfs outside of it -> web and flange hold together where both stay, and nowhere else
 
 A pass through a root cuts the web below its flange as deep as its row of the cut chart says. Where
@@ -8,97 +8,272 @@ a skew end has the torch tilted, both surfaces of each wall are looked at: a str
 it along the torch.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
-from math import radians, tan
+from collections.abc import Iterator, Sequence
+from itertools import dropwhile
+from math import atan, cos, radians, tan
 from typing import Any
 
+from shapely import LineString, MultiPoint, Polygon, box, intersects, prepare, union_all
+
 from beamcam.checks.coping import rules
-from beamcam.checks.coping.bevels import BevelPass, ends_of_passes, pass_faults
-from beamcam.checks.coping.chart import SAME_FEED, row_for
-from beamcam.checks.coping.contour_bands import ContourBand, extra_at
+from beamcam.checks.coping.bevels import ends_of_passes, pass_faults
+from beamcam.checks.coping.chart import SAME_FEED, CoperJob
 from beamcam.checks.coping.fillets import FLUSH, beside_web
-from beamcam.checks.coping.left import (
-    WallPieces,
-    holding_faults,
-    kept_faults,
-    outline_of,
-    parted,
-)
-from beamcam.checks.coping.lips import lip_faults
-from beamcam.checks.coping.section import CoperSection, jet_of, line_of, pieces_of
-from beamcam.checks.coping.skew import EndOnWall, SkewEnd
+from beamcam.checks.coping.left import WallPieces, holding_faults, hurt_fault, kept_faults, parted
+from beamcam.checks.coping.required import RequiredWalls
+from beamcam.checks.coping.section import CoperSection, jet_of, line_of, narrowed, pieces_of
 from beamcam.checks.coping.stock import FINE, WallStock
-from beamcam.checks.coping.strokes import TorchStroke
-from beamcam.checks.coping.wanted import RequiredWall
-from beamcam.errors import Diagnostic, Source
-from beamcam.machine.coper import Coper
-from beamcam.machine.torch import TorchRow
+from beamcam.checks.coping.strokes import TorchStroke, in_air
+from beamcam.errors import Diagnostic
+from beamcam.geometry.plane import Point
 
 Shape = Any  #: of shapely
-Surface = tuple[str, float]  #: a face, and how far below it
 SLANTED = 2.0  #: mm along the bar by mm across it that a cut through a root goes, at most
+ALONG_LIP = 4.0  #: likewise of one through a lip
 TWICE = 0.1  #: share of a stroke that is new at least, or it is cut twice
 SLIVER = 1e-3  #: mm2 that the offset of an outline with steps of microns may lie outside of it
 SURE = 0.01  #: mm that figures of a thickness may be off
 
 
-def compare(
-    strokes: Sequence[TorchStroke],
-    wanted: Mapping[Surface, RequiredWall],
-    ends: Mapping[str, Sequence[EndOnWall]],
-    made: Sequence[SkewEnd],
-    passes: Sequence[BevelPass],
-    stock: WallStock,
-    section: CoperSection,
-    coper: Coper,
-    rows: Sequence[TorchRow],
-    step: float,
-    name: str,
-) -> Iterator[Diagnostic]:
-    """All that strokes make otherwise than wanted on each surface; `ends` are skew ones by wall,
-    `made` those that a tilted torch makes, `passes` the strokes that make bevels."""
-    from shapely import box
+class ContourBand:
+    """Where strokes run half a kerf off the contour of a surface, as the torch sees it."""
 
-    slack = coper.tolerance + 2 * step + FINE
-    left: dict[Surface, WallPieces] = {}
-    for (face, depth), asked in wanted.items():
-        if asked.short:
-            yield rules.SHORT.at(Source(name), found=f"{asked.short:.2f}", face=face)
-        own = [stroke for stroke in strokes if stroke.face == face]
-        gone = taken_of(face, own, strokes, section, depth)
-        low, high = section.extent(face)
-        steel = stock.wall(face).intersection(box(-1e6, low, 1e6, high))
-        yield from _hurt(face, gone, asked.cut, section, slack, name)
-        left[face, depth] = parted(steel, [surely for surely, _ in gone], asked.drawn, slack)
-        yield from kept_faults(face, left[face, depth], asked.most, slack, name)
-        if depth:
-            continue
-        views = {(stroke.row.kerf, stroke.share) for stroke in own if not is_pass(stroke, passes)}
-        beside = {
-            (d, *view): ContourBand(one.cut, *view, slack)
-            for (other, d), one in wanted.items() if other == face for view in views
-        }  # fmt: skip
+    def __init__(self, kept: Shape, depth: float, kerf: float, share: float, slack: float) -> None:
+        self.view, self._depth, self._slack = (kerf, share), depth, slack
+        self._seen, self._off = narrowed(kept, share).simplify(FINE / 2), kerf / 2 + slack
+        self._along = self._seen.boundary.buffer(self._off)
+        prepare(self._along)
+
+    def off(self, stroke: TorchStroke, steel: Shape) -> Point | None:
+        """A place of a stroke that runs elsewhere; None without one.
+
+        Its first segment is the lead, and beyond the edges of the wall there is air.
+        """
+        run = narrowed(line_of(stroke.at(self._depth)[1:]).intersection(steel), stroke.share)
+        if self._along.covers(run):
+            return None
+        # At an edge of its wall a path goes straight on beyond the end of a slanting contour.
+        around = self._seen.buffer(self._off, join_style="mitre").difference(self._seen)
+        off = run.difference(self._along).difference(around)
+        if off.length <= self._slack:
+            return None
+        x, y = off.representative_point().coords[0]
+        return x / stroke.share, y
+
+
+class WallComparison:
+    """The strokes of a program beside what has to stay on each surface of each wall."""
+
+    def __init__(
+        self, strokes: Sequence[TorchStroke], required: RequiredWalls, stock: WallStock,
+        section: CoperSection, job: CoperJob,
+    ) -> None:  # fmt: skip
+        self._strokes, self._required, self._stock = strokes, required, stock
+        self._section, self._job = section, job
+        self._slack = job.coper.tolerance + 2 * job.machine.format.resolution + FINE
+
+    def faults(self) -> Iterator[Diagnostic]:
+        """All that strokes make otherwise than required."""
+        section, stock, slack, name = self._section, self._stock, self._slack, self._job.name
+        left: dict[tuple[str, float], WallPieces] = {}
+        for (face, depth), wall in self._required.walls.items():
+            if wall.short:
+                yield rules.SHORT.at(self._job.at(), found=f"{wall.short:.2f}", face=face)
+            own = [stroke for stroke in self._strokes if stroke.face == face]
+            gone = taken_of(face, own, self._strokes, section, depth)
+            low, high = section.extent(face)
+            steel = stock.wall(face).intersection(box(-1e6, low, 1e6, high))
+            yield from self._hurt(face, gone, wall.cut)
+            left[face, depth] = parted(steel, [surely for surely, _ in gone], wall.drawn, slack)
+            yield from kept_faults(face, left[face, depth], wall.most, slack, name)
+            if not depth:
+                yield from self._on_wall(face, own, steel)
+        for face in section.faces[1:]:
+            inner = max(depth for one, depth in left if one == face)
+            for one, depth in left:
+                if one == "v":
+                    pair = left[one, depth], left[face, inner]
+                    z = min(section.front - depth, section.wide - 1e-3)
+                    yield from holding_faults(face, *pair, section, z, slack, name)
+        passes = self._required.passes
+        far = {s.line: not stock.is_piece and self._is_far(s) for s in self._strokes}
+        far |= ends_of_passes(passes, self._strokes, far, section)
+        for stroke in self._strokes if section.lip else ():
+            if stroke.face != "v":
+                yield from self._through_lip(stroke)
+        begun = dropwhile(lambda stroke: not far[stroke.line], self._strokes)
+        for stroke in (one for one in begun if not far[one.line]):  # behind one of the far end
+            yield rules.ORDER.at(self._job.at(stroke.line), face=stroke.face)
+            break
+        yield from pass_faults(passes, self._strokes, far, section, name)
+
+    def _is_pass(self, stroke: TorchStroke) -> bool:
+        """Whether a stroke makes a bevel."""
+        return any(one.stroke is stroke for one in self._required.passes)
+
+    def _on_wall(self, face: str, own: Sequence[TorchStroke], steel: Shape) -> Iterator[Diagnostic]:
+        """What is wrong with the strokes of a wall, whatever they leave of it."""
+        views = {(one.row.kerf, one.share) for one in own if not self._is_pass(one)}
+        bands = [
+            ContourBand(wall.cut, depth, *view, self._slack)
+            for (other, depth), wall in self._required.walls.items() if other == face
+            for view in views
+        ]  # fmt: skip
         # No arc starts over a hole that is there; on its way it burns on over one.
-        solid = steel.difference(stock.open[face]) if stock.is_piece else steel
+        solid = steel.difference(self._stock.open[face]) if self._stock.is_piece else steel
         for stroke in own:
-            yield from _stroke_faults(
-                stroke, strokes, beside, passes, steel, solid, section, coper, rows, slack, name
+            yield from self._stroke_faults(stroke, bands, steel, solid)
+        for k, stroke in enumerate(own):  # along what is cut already
+            run = line_of(stroke.points)
+            for before in own[:k]:
+                again = run.intersects(line_of(before.points))
+                if again and run.difference(before.jet(0.0)).length < TWICE * run.length:
+                    x, y = stroke.points[0]
+                    yield rules.EXTRA.at(
+                        self._job.at(stroke.line), x=f"{x:.1f}", y=f"{y:.1f}", face=face
+                    )
+
+    def _hurt(
+        self, face: str, gone: Sequence[tuple[Shape, Shape]], cut: Shape
+    ) -> Iterator[Diagnostic]:
+        """Steel that has to stay and that a kerf or a pierce takes."""
+        low, high = self._section.extent(face)
+        kept = cut.intersection(box(-1e6, low, 1e6, high))
+        inner = kept.buffer(-self._slack, join_style="mitre")
+        prepare(inner)
+        for taken in gone:
+            if not intersects(inner, taken).any():
+                continue
+            hurt = union_all(taken).intersection(inner)
+            if hurt.area > SLIVER:
+                yield hurt_fault(hurt, inner, self._slack, self._job.at(), face)
+                return
+
+    def _stroke_faults(
+        self, stroke: TorchStroke, bands: Sequence[ContourBand], steel: Shape, solid: Shape
+    ) -> Iterator[Diagnostic]:
+        """A stroke beside its wall, along no contour of any surface, or at the speed of another
+        thickness. `solid` is the steel without the holes that are there."""
+        section, coper, source = self._section, self._job.coper, self._job.at(stroke.line)
+        low, high = section.extent(stroke.face)
+        over = stroke.row.kerf / 2 + coper.over + self._slack
+        free = (over, over)
+        if stroke.face == "v":
+            free = (-stroke.row.kerf / 2, -stroke.row.kerf / 2 if section.has_upper else over)
+        (least, most), has_edge = stroke.across, self._is_pass(stroke)  # to stay along
+        if not has_edge and (least < low - free[0] or most > high + free[1]):
+            y = least if least < low - free[0] else most
+            yield rules.PLACE.at(
+                source, y=f"{y:g}", face=stroke.face, least=f"{low:g}", most=f"{high:g}"
             )
-        yield from _twice(face, own, name)
-    for face in section.faces[1:]:
-        inner = max(depth for one, depth in left if one == face)
-        for one, depth in left:
-            if one == "v":
-                pair = left[one, depth], left[face, inner]
-                z = min(section.front - depth, section.wide - 1e-3)
-                yield from holding_faults(face, *pair, section, z, slack, name)
-    far = {s.line: not stock.is_piece and _is_far(s, wanted, ends, section) for s in strokes}
-    far |= ends_of_passes(passes, strokes, far, section)
-    for stroke in strokes if section.lip else ():
-        if stroke.face != "v":
-            yield from lip_faults(stroke, made, section, slack, Source(name, stroke.line))
-    yield from _order_faults(strokes, far, name)
-    yield from pass_faults(passes, strokes, far, section, name)
+            return
+        if stroke.leans and not has_edge:
+            yield rules.ANGLE.at(source, found="off that of its face, along no bevel")
+            return
+        if not has_edge and (off := self._extra(stroke, bands, steel)) is not None:
+            x, y = off
+            yield rules.EXTRA.at(source, x=f"{x:.1f}", y=f"{y:.1f}", face=stroke.face)
+        lost = in_air(stroke.points[1:], steel, stroke.row, coper)
+        if solid.distance(line_of(stroke.points[:1])) > self._slack or lost is not None:
+            x, y = lost or stroke.points[0]
+            yield rules.AIR.at(source, x=f"{x:.1f}", y=f"{y:.1f}", face=stroke.face)
+        least, most = self._thickness(stroke)
+        if has_edge:
+            deep = section.thickness(stroke.face) / stroke.share
+            least, most = deep - SURE, deep + SURE
+        feed, rows = stroke.row.feed_mm_min, map(self._job.row_for, (least, most))
+        fits = {row.feed_mm_min if row else 0.0 for row in rows}
+        between = min(fits) - SAME_FEED < feed < max(fits) + SAME_FEED
+        if feed not in fits and not (between and coper.between_rows == "interpolate"):
+            expected = " or ".join(f"{feed:g}" for feed in sorted(fits))
+            yield rules.FEED.at(
+                source, found=f"{feed:g}", thickness=f"{least:.2f}", expected=expected
+            )
+
+    def _extra(
+        self, stroke: TorchStroke, bands: Sequence[ContourBand], steel: Shape
+    ) -> Point | None:
+        """A place of a stroke that runs along the contour of no surface; None of any other."""
+        first: Point | None = None
+        for band in bands:
+            if band.view == (stroke.row.kerf, stroke.share):
+                if (off := band.off(stroke, steel)) is None:
+                    return None
+                first = first or off
+        return first
+
+    def _thickness(self, stroke: TorchStroke) -> tuple[float, float]:
+        """The steel that a stroke has to go through, with what it may be off.
+
+        Through a root that is as deep as from outside of the flange to where cuts over the web end,
+        and `root_over` more; through a lip as that is long, and as much more.
+        """
+        section, (least, most) = self._section, stroke.across
+        if stroke.face == "v":
+            low, high = section.extent("v")
+            ends = (min(max(y, low + SURE), high - SURE) for y in (least, most))
+            deep = max(section.web, *(section.steel_through("v", y) for y in ends)) / stroke.share
+            return deep - SURE, deep + SURE
+        more = self._job.coper.root_over
+        back, front = section.root(stroke.face)
+        lip = section.lip + more if least < section.bend - SURE else 0.0
+        beside = beside_web(stroke, section)
+        if beside is not None and (most <= section.back or least >= section.front):
+            return beside
+        if most <= back or least >= front:
+            deep = max(section.flange, lip) / stroke.share
+            # Of a tilted torch B is read as it is written, to some decimals.
+            return (deep - SURE, deep + SURE) if lip and stroke.is_tilted else (deep, deep)
+        over = [y for one in self._strokes if one.face == "v" for y in one.across]
+        end = (section.high - max(over) if stroke.face == "o" else min(over)) if over else 0.0
+        along = beside[1] if beside is not None else 0.0
+        deep = max(max(section.flange, end) + more, lip, along) / stroke.share
+        return deep - SURE, deep + SURE
+
+    def _is_far(self, stroke: TorchStroke) -> bool:
+        """Whether a stroke is of the far end; of a flange with a lip by that part of it."""
+        section, drawn = self._section, self._required.walls[stroke.face, 0.0].drawn
+        if section.lip and stroke.face != "v":
+            at_lip = stroke.across[0] < 0.0
+            band = (0.0, section.bend) if at_lip else (section.bend, section.wide)
+            drawn = drawn.intersection(box(-1e6, band[0], 1e6, band[1]))
+        bounds = drawn.bounds
+        return (bool(bounds) and max(x for x, _ in stroke.points) > bounds[2]) or any(
+            end.side > 0 and any(x > end.x(y) for x, y in stroke.points)
+            for end in self._required.ends[stroke.face]
+        )
+
+    def _through_lip(self, stroke: TorchStroke) -> Iterator[Diagnostic]:
+        """A stroke on a flange that, behind its lead, does not go through a lip from side to side,
+        or whose torch does not lie in the plane of its end all along the lip."""
+        section, source, bend = self._section, self._job.at(stroke.line), self._section.bend
+        run = line_of(stroke.points[1:]).intersection(box(-1e6, 0.0, 1e6, bend - SURE))
+        crossing = [one.bounds for one in pieces_of(run)]
+        if not crossing:
+            return
+        for x0, y0, x1, y1 in crossing:
+            along = x1 - x0 > ALONG_LIP * bend + stroke.row.kerf
+            if along or y0 > SURE or y1 < bend - 2 * SURE:
+                yield rules.PLACE.at(
+                    source, y=f"{y0:g}", face=stroke.face, least=f"{bend:g}",
+                    most=f"{section.wide:g}",
+                )  # fmt: skip
+                return
+        x0, y0, x1, y1 = run.bounds
+        slope, side = 0.0, 1
+        for end in self._required.made:
+            line = end.on_wall(stroke.face, section, 0.0)
+            long, near = cos(atan(line.more)), stroke.row.kerf / 2 / stroke.share + self._slack
+            if all(abs(x - line.x(y)) * long <= near for x, y in stroke.points[1:-1]):
+                slope, side = end.on_wall(stroke.face, section, 1.0).at - line.at, end.side
+        off = side * section.lip * (-tan(radians(stroke.b_deg)) - slope)
+        if abs(off) <= self._slack:
+            return
+        at = {"face": stroke.face, "x": f"{(x0 + x1) / 2:.1f}", "y": f"{(y0 + y1) / 2:.1f}"}
+        if off > 0.0:
+            yield rules.LEFT.at(source, found=f"{off:.2f}", **at)
+        else:
+            yield rules.HURT.at(source, found=f"{-off:.2f}", expected=f"{self._slack:.2f}", **at)
 
 
 def taken_of(
@@ -109,10 +284,10 @@ def taken_of(
 
     `own` are those on its face.
     """
-    found = [(stroke.jet(depth), stroke.pierced(depth)) for stroke in own]
+    taken = [(stroke.jet(depth), stroke.pierced(depth)) for stroke in own]
     if face == "v":
-        found += [cut for stroke in strokes for cut in _below(stroke, section, depth)]
-    return found
+        taken += [cut for stroke in strokes for cut in _below(stroke, section, depth)]
+    return taken
 
 
 def _below(
@@ -122,8 +297,6 @@ def _below(
 
     It goes on along the torch. What does not go through all of the web may take all that it meets.
     """
-    from shapely import LineString, Polygon, box
-
     half, low, high = stroke.row.kerf / 2, section.back, section.front
     deep = stroke.row.up_to * stroke.share
     if stroke.face == "v" or deep <= section.flange:
@@ -157,8 +330,6 @@ def _met_off(
 ) -> Shape:  # fmt: skip
     """What a stroke whose A is off its face may take of the web below it at most, at z of it; all
     that it meets of the web where it does not go across it."""
-    from shapely import LineString, MultiPoint, Polygon, box
-
     places = []
     for down, y in zip(downs, ys, strict=True):
         jet = stroke.jet(down)
@@ -170,191 +341,3 @@ def _met_off(
         if not met.is_empty:
             places += [(met.bounds[0], y), (met.bounds[2], y)]
     return MultiPoint(places).convex_hull if len(places) > 2 else Polygon()
-
-
-def _hurt(
-    face: str,
-    gone: Sequence[tuple[Shape, Shape]],
-    wanted: Shape,
-    section: CoperSection,
-    slack: float,
-    name: str,
-) -> Iterator[Diagnostic]:
-    """Steel that has to stay and that a kerf or a pierce takes."""
-    from shapely import box, intersects, prepare, union_all
-
-    low, high = section.extent(face)
-    kept = wanted.intersection(box(-1e6, low, 1e6, high))
-    inner = kept.buffer(-slack, join_style="mitre")
-    prepare(inner)
-    for taken in gone:
-        if not intersects(inner, taken).any():
-            continue
-        hurt = union_all(taken).intersection(inner)
-        if hurt.area > SLIVER:
-            x, y = hurt.representative_point().coords[0]
-            deep = slack + max(inner.boundary.distance(line_of([p])) for p in outline_of(hurt))
-            yield rules.HURT.at(
-                Source(name), found=f"{deep:.2f}", face=face, x=f"{x:.1f}", y=f"{y:.1f}",
-                expected=f"{slack:.2f}",
-            )  # fmt: skip
-            return
-
-
-def _stroke_faults(
-    stroke: TorchStroke,
-    strokes: Sequence[TorchStroke],
-    beside: Mapping[tuple[float, float, float], ContourBand],
-    passes: Sequence[BevelPass],
-    steel: Shape,
-    solid: Shape,
-    section: CoperSection,
-    coper: Coper,
-    rows: Sequence[TorchRow],
-    slack: float,
-    name: str,
-) -> Iterator[Diagnostic]:
-    """A stroke beside its wall, along no contour of any surface, or at the speed of another
-    thickness.
-
-    `beside` is where a stroke may run, by mm below the face, its kerf and its `share`, `solid` the
-    steel without the holes that are there.
-    """
-    source = Source(name, stroke.line)
-    low, high = section.extent(stroke.face)
-    over = stroke.row.kerf / 2 + coper.over + slack
-    free = (over, over)
-    if stroke.face == "v":
-        free = (-stroke.row.kerf / 2, -stroke.row.kerf / 2 if section.has_upper else over)
-    ys = [y for _, y in stroke.points]
-    has_edge = is_pass(stroke, passes)  # to stay along
-    if not has_edge and (min(ys) < low - free[0] or max(ys) > high + free[1]):
-        y = min(ys) if min(ys) < low - free[0] else max(ys)
-        yield rules.PLACE.at(
-            source, y=f"{y:g}", face=stroke.face, least=f"{low:g}", most=f"{high:g}"
-        )
-        return
-    if stroke.leans and not has_edge:
-        yield rules.ANGLE.at(source, found="off that of its face, along no bevel")
-        return
-    if not has_edge and (off := extra_at(stroke, beside, steel, slack)) is not None:
-        x, y = off
-        yield rules.EXTRA.at(source, x=f"{x:.1f}", y=f"{y:.1f}", face=stroke.face)
-    x, y = stroke.points[0]
-    lost = _in_air(stroke, steel, coper.over)
-    if solid.distance(line_of([(x, y)])) > slack or lost is not None:
-        x, y = lost or (x, y)
-        yield rules.AIR.at(source, x=f"{x:.1f}", y=f"{y:.1f}", face=stroke.face)
-    least, most = _thickness(stroke, strokes, section, coper)
-    if has_edge:
-        deep = section.thickness(stroke.face) / stroke.share
-        least, most = deep - SURE, deep + SURE
-    found = (row_for(rows, coper, thickness) for thickness in (least, most))
-    fits = {row.feed_mm_min if row else 0.0 for row in found}
-    between = min(fits) - SAME_FEED < stroke.row.feed_mm_min < max(fits) + SAME_FEED
-    if stroke.row.feed_mm_min not in fits and not (between and coper.between_rows == "interpolate"):
-        expected = " or ".join(f"{feed:g}" for feed in sorted(fits))
-        yield rules.FEED.at(
-            source, found=f"{stroke.row.feed_mm_min:g}", thickness=f"{least:.2f}",
-            expected=expected,
-        )  # fmt: skip
-
-
-def _in_air(stroke: TorchStroke, steel: Shape, over: float) -> tuple[float, float] | None:
-    """A place of a stroke in air, but just beyond the edges where it begins and ends; or None.
-
-    Where its lead begins on an edge it goes on beside that edge to the contour.
-    """
-    from shapely import Point
-
-    run = line_of(stroke.points[1:])
-    ends = [Point(stroke.points[1]), Point(stroke.points[-1])]
-    for air in pieces_of(run.difference(steel.buffer(stroke.row.kerf / 4))):
-        at_end = any(air.distance(end) <= SURE for end in ends)
-        if air.length > (over + 3 * stroke.row.kerf if at_end else stroke.row.kerf):
-            x, y = air.representative_point().coords[0]
-            return x, y
-    return None
-
-
-def _twice(face: str, own: Sequence[TorchStroke], name: str) -> Iterator[Diagnostic]:
-    """A stroke along what is cut already."""
-    for k, stroke in enumerate(own):
-        run = line_of(stroke.points)
-        for before in own[:k]:
-            if not run.intersects(line_of(before.points)):
-                continue
-            again = run.difference(before.jet(0.0))
-            if again.length < TWICE * run.length:
-                x, y = stroke.points[0]
-                yield rules.EXTRA.at(
-                    Source(name, stroke.line), x=f"{x:.1f}", y=f"{y:.1f}", face=face
-                )
-
-
-def is_pass(stroke: TorchStroke, passes: Sequence[BevelPass]) -> bool:
-    """Whether a stroke makes a bevel."""
-    return any(one.stroke is stroke for one in passes)
-
-
-def _thickness(
-    stroke: TorchStroke, strokes: Sequence[TorchStroke], section: CoperSection, coper: Coper
-) -> tuple[float, float]:
-    """The steel that a stroke has to go through, with what it may be off.
-
-    Through a root that is as deep as from outside of the flange to where cuts over the web end, and
-    `root_over` more; through a lip as that is long, and as much more.
-    """
-    ys = [y for _, y in stroke.points]
-    if stroke.face == "v":
-        low, high = section.extent("v")
-        ends = (min(max(y, low + SURE), high - SURE) for y in (min(ys), max(ys)))
-        deep = max(section.web, *(section.steel_through("v", y) for y in ends)) / stroke.share
-        return deep - SURE, deep + SURE
-    back, front = section.root(stroke.face)
-    lip = section.lip + coper.root_over if min(ys) < section.bend - SURE else 0.0
-    beside = beside_web(stroke, section)
-    if beside is not None and (max(ys) <= section.back or min(ys) >= section.front):
-        return beside
-    if max(ys) <= back or min(ys) >= front:
-        deep = max(section.flange, lip) / stroke.share
-        # Of a tilted torch B is read as it is written, to some decimals.
-        return (deep - SURE, deep + SURE) if lip and stroke.is_tilted else (deep, deep)
-    over = [y for one in strokes if one.face == "v" for _, y in one.points]
-    end = (section.high - max(over) if stroke.face == "o" else min(over)) if over else 0.0
-    along = beside[1] if beside is not None else 0.0
-    deep = max(max(section.flange, end) + coper.root_over, lip, along) / stroke.share
-    return deep - SURE, deep + SURE
-
-
-def _is_far(
-    stroke: TorchStroke,
-    wanted: Mapping[Surface, RequiredWall],
-    ends: Mapping[str, Sequence[EndOnWall]],
-    section: CoperSection,
-) -> bool:
-    """Whether a stroke is of the far end; of a flange with a lip by where that part of it ends."""
-    from shapely import box
-
-    drawn = wanted[stroke.face, 0.0].drawn
-    if section.lip and stroke.face != "v":
-        at_lip = min(y for _, y in stroke.points) < 0.0
-        band = (0.0, section.bend) if at_lip else (section.bend, section.wide)
-        drawn = drawn.intersection(box(-1e6, band[0], 1e6, band[1]))
-    bounds = drawn.bounds
-    return (bool(bounds) and max(x for x, _ in stroke.points) > bounds[2]) or any(
-        end.side > 0 and any(x > end.at + end.more * y for x, y in stroke.points)
-        for end in ends[stroke.face]
-    )
-
-
-def _order_faults(
-    strokes: Sequence[TorchStroke], far: Mapping[int, bool], name: str
-) -> Iterator[Diagnostic]:
-    """Cuts of anything else behind the first one of the far end."""
-    parting = False
-    for stroke in strokes:
-        if parting and not far[stroke.line]:
-            yield rules.ORDER.at(Source(name, stroke.line), face=stroke.face)
-            return
-        parting = parting or far[stroke.line]

@@ -4,6 +4,8 @@ A jet that stays beside the web goes through flange and fillet, and behind them 
 much steel that is, is measured on the section itself, at the side of the kerf towards the web.
 """
 
+from shapely import LineString, box
+
 from beamcam.checks.coping.section import CoperSection, line_of, pieces_of
 from beamcam.checks.coping.strokes import TorchStroke
 
@@ -31,22 +33,17 @@ def beside_web(stroke: TorchStroke, section: CoperSection) -> tuple[float, float
         reached = side < front
     if not reached:
         return None
-    least, most = (_through(stroke.face, side + z, section) for z in zs)
+    least, most = (  # of flange and fillet; at the web all of the fillet
+        section.flange + section.radius if section.back <= side + z <= section.front
+        else section.steel_through(stroke.face, side + z)
+        for z in zs
+    )  # fmt: skip
     return least, most
-
-
-def _through(face: str, z: float, section: CoperSection) -> float:
-    """The steel of flange and fillet at a z of the section; at the web all of the fillet."""
-    if section.back <= z <= section.front:
-        return section.flange + section.radius
-    return section.steel_through(face, z)
 
 
 def _is_straight(stroke: TorchStroke, section: CoperSection) -> bool:
     """Whether a stroke goes on straight lines alone over the web and the half of its fillets that
     is thick, but for where a contour turns beside that."""
-    from shapely import LineString, box
-
     thick = section.radius / 2 - 1.0
     low = max(section.back - thick, STRAIGHT)
     high = min(section.front + thick, section.wide - STRAIGHT)

@@ -4,6 +4,15 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from msgspec import Struct
+from shapely import (
+    LineString,
+    MultiPolygon,
+    force_2d,
+    get_coordinates,
+    prepare,
+    transform,
+    union_all,
+)
 
 from beamcam.checks.coping import rules
 from beamcam.checks.coping.section import CoperSection, TubeSection, line_of, pieces_of
@@ -22,8 +31,6 @@ class WallPieces(Struct, frozen=True):
 
 def parted(bar: Shape, gone: Sequence[Shape], drawn: Shape, slack: float) -> WallPieces:
     """The pieces of a surface that is cut; those of the part have steel well within it."""
-    from shapely import MultiPolygon, prepare, union_all
-
     pieces = [p for p in pieces_of(bar.difference(union_all(gone))) if p.area > SPECK]
     core = drawn.intersection(bar).buffer(-2 * slack, join_style="mitre")
     prepare(core)  # whose border most pieces lie off
@@ -33,25 +40,37 @@ def parted(bar: Shape, gone: Sequence[Shape], drawn: Shape, slack: float) -> Wal
 
 
 def kept_faults(
-    face: str, left: WallPieces, wanted: Shape, slack: float, name: str,
+    face: str, left: WallPieces, required: Shape, slack: float, name: str,
     tube: TubeSection | None = None,
 ) -> Iterator[Diagnostic]:  # fmt: skip
     """Scrap that holds to the part, on a face or on the whole surface of a tube."""
     if left.part.is_empty:
         yield rules.GONE.at(Source(name), face=face)
         return
-    around = wanted.buffer(slack, join_style="mitre")
+    around = required.buffer(slack, join_style="mitre")
     if around.covers(left.part):
         return
     for piece in pieces_of(left.part.difference(around)):
         if piece.area > SPECK:
-            far = max(wanted.distance(line_of([p])) for p in outline_of(piece))
+            far = max(required.distance(line_of([p])) for p in outline_of(piece))
             x, y = piece.representative_point().coords[0]
             yield rules.LEFT.at(
                 Source(name), found=f"{far:.2f}", face=tube.face_at(y) if tube else face,
                 x=f"{x:.1f}", y=f"{y:.1f}",
             )  # fmt: skip
             return
+
+
+def hurt_fault(
+    hurt: Shape, kept: Shape, slack: float, source: Source, face: str | TubeSection
+) -> Diagnostic:
+    """That a stroke takes of what is kept, at one place and as deep as anywhere."""
+    x, y = hurt.representative_point().coords[0]
+    deep = slack + max(kept.boundary.distance(line_of([p])) for p in outline_of(hurt))
+    return rules.HURT.at(
+        source, found=f"{deep:.2f}", face=face if isinstance(face, str) else face.face_at(y),
+        x=f"{x:.1f}", y=f"{y:.1f}", expected=f"{slack:.2f}",
+    )  # fmt: skip
 
 
 def holding_faults(
@@ -63,10 +82,7 @@ def holding_faults(
     slack: float,
     name: str,
 ) -> Iterator[Diagnostic]:
-    """Scrap of the web that a flange of the part holds at a surface z of the web, or the other way
-    round."""
-    from shapely import LineString, force_2d, transform
-
+    """Scrap of the web that a flange holds at a surface z of it, or the other way round."""
     y = section.web_ends[1] - 1e-3 if face == "o" else section.web_ends[0] + 1e-3
     along = LineString([(-1e6, y), (1e6, y)])
     beside = LineString([(-1e6, z), (1e6, z)])
@@ -94,6 +110,4 @@ def holding_faults(
 
 
 def outline_of(shape: Shape) -> list[tuple[float, float]]:
-    from shapely import get_coordinates
-
     return [tuple(p) for p in get_coordinates(shape).tolist()]

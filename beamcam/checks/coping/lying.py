@@ -14,22 +14,15 @@ _ON_ITS_LIPS: Rotation = ((1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, -1.0))
 def lying(part: Part) -> Part:
     """A part as it lies under the torch; what a T has on the far sides of its plates on u and v,
     what a C has on its web on v."""
-    if part.profile.code == "C":
-        on_lips = rotated(part, _ON_ITS_LIPS)
-        on_lips = replace(on_lips, features=_over_web(on_lips))
-        if part.made is None:
-            return on_lips
-        begun = rotated(replace(part, features=part.made), _ON_ITS_LIPS)
-        return replace(on_lips, made=_over_web(begun))
-    if part.profile.code != "T":
+    rotation = {"T": _ON_ITS_SIDE, "C": _ON_ITS_LIPS}.get(part.profile.code)
+    if rotation is None:
         return part
-    turned = rotated(part, _ON_ITS_SIDE)
-    made = part.made
-    if made is not None:
-        there = rotated(replace(part, features=made), _ON_ITS_SIDE).features
-        made = tuple(_seen(one, part.profile) for one in there)
-    features = tuple(_seen(one, part.profile) for one in turned.features)
-    return replace(turned, features=features, made=made)
+    turned = rotated(part, rotation)
+    begun = rotated(replace(part, features=part.made or ()), rotation)
+    features, made = (
+        tuple(_seen(f, part.profile) for f in one.features) for one in (turned, begun)
+    )
+    return replace(turned, features=features, made=None if part.made is None else made)
 
 
 def as_drawn(part: Part) -> Part:
@@ -37,34 +30,24 @@ def as_drawn(part: Part) -> Part:
     with what its web has on v."""
     if part.profile.code == "C":
         drawn = rotated(part, _ON_ITS_LIPS)
-        return replace(drawn, features=_over_web(drawn))
+        return replace(drawn, features=tuple(_seen(f, part.profile) for f in drawn.features))
     if part.profile.code != "T":
         return part
     back: Rotation = ((1.0, 0.0, 0.0), (0.0, 0.0, -1.0), (0.0, 1.0, 0.0))
     return rotated(part, back)
 
 
-def _over_web(part: Part) -> tuple[Feature, ...]:
-    """The features of a part, those of its web on v."""
-    return tuple(map(_from_front, part.features))
-
-
-def _from_front(feature: Feature) -> Feature:
-    """A feature of a web that is seen from behind, on v in the same place."""
-    if getattr(feature, "face", "") != "h":
-        return feature
-    if isinstance(feature, Contour):
-        curves = tuple(curve.reversed() for curve in reversed(feature.curves))
-        return replace(feature, face="v", curves=curves)
-    return replace(feature, face="v")
-
-
-def _seen(feature: Feature, tee: Profile) -> Feature:
-    """A feature of a T on its side, on the face of its plate that the torch looks at."""
-    thick = {"o": tee.flange_thickness, "h": tee.web_thickness or 0.0}
+def _seen(feature: Feature, profile: Profile) -> Feature:
+    """A feature of a T on its side, or of the web of a C, on the face that the torch looks at."""
+    thick = {"h": profile.web_thickness or 0.0}
+    if profile.code == "T":
+        thick["o"] = profile.flange_thickness
     if (face := getattr(feature, "face", "")) not in thick:  # the inside of the flange, or below
         return feature
-    if isinstance(feature, Contour):
+    if isinstance(feature, Contour) and profile.code == "C":
+        curves = tuple(curve.reversed() for curve in reversed(feature.curves))
+        feature = replace(feature, curves=curves)
+    elif isinstance(feature, Contour):
         bevels = tuple(other_side(one, thick[face]) for one in feature.bevels)
         feature = replace(feature, bevels=bevels)
     return replace(feature, face="u" if face == "o" else "v")

@@ -16,8 +16,7 @@ _FAR = "goes where nothing is in the way and nothing is cut"
 
 _LINUXCNC = (
     Owner(("G0", "G1"), (), (*_ON_THE_WAY, *_CUT), "names no place, or where it is already"),
-    Owner(("G0", "G1"), ("X", "Y", "Z"), (*_ON_THE_WAY, *_CUT), _FAR),
-    Owner(("G0", "G1"), ("A", "B"), (*_ON_THE_WAY, *_CUT), _FAR),
+    Owner(("G0", "G1"), ("X", "Y", "Z", "A", "B"), (*_ON_THE_WAY, *_CUT), _FAR),
     Owner(("F",), (), ("verify-coping-feed",), "no cut follows"),
     Owner(("G2", "G3"), (), ("verify-arc", "verify-word", "verify-coping-torch")),
     Owner(("G2", "G3"), ("X", "Y", "Z", "A", "B", "I", "J"), ("verify-arc", "verify-word",
@@ -51,23 +50,20 @@ _LINUXCNC = (
 )  # fmt: skip
 
 _EVENTS = (
-    Owner(("Move.rapid",), (), ("verify-coping-torch",)),
     Owner(("Move.start", "Move.end", "Move.a_deg", "Move.b_deg"), (), (*_ON_THE_WAY, *_CUT), _FAR),
     Owner(("Move.feed_mm_min", "Move.minutes"), (), ("verify-coping-feed",)),
     Owner(("Move.own_feed",), (), (), "the feed that holds is looked at, wherever it is said"),
-    Owner(("Move.curve",), (), ("verify-coping-torch",)),
     Owner(("Switch.number", "Switch.words", "Switch.does"), (), ("verify-coping-torch",
         "verify-coping-measured")),
     Owner(("Pause.seconds",), (), ("verify-coping-pierce", "verify-coping-torch"),
         "waits where the torch is off, a minute at most"),
-    Owner(("Compensation.side",), (), ("verify-coping-torch",)),
     Owner(("Compensation.radius",), (), (), "nothing keeps it where no side is asked for"),
     Owner(("Blending.distance",), (), ("verify-coping-torch",), "within the tolerance of paths"),
-    Owner(("Acceleration.braking", "Acceleration.mm_s2"), (), ("verify-coping-torch",)),
-    Owner(("Lettering.kind", "Lettering.text", "Lettering.values"), (), ("verify-coping-torch",)),
-    Owner(("Lift.rapid", "Lift.start", "Lift.end", "Lift.feed_mm_min", "Touch.height",
-        "Touch.feed_mm_min", "Zero.shifted", "Output.name", "Output.on", "Output.with_move",
-        "FeedShare.share", "ToolOffset.number", "Material.values"), (), ("verify-coping-torch",)),
+    Owner(("Move.rapid", "Move.curve", "Compensation.side", "Acceleration.braking",
+        "Acceleration.mm_s2", "Lettering.kind", "Lettering.text", "Lettering.values", "Lift.rapid",
+        "Lift.start", "Lift.end", "Lift.feed_mm_min", "Touch.height", "Touch.feed_mm_min",
+        "Zero.shifted", "Output.name", "Output.on", "Output.with_move", "FeedShare.share",
+        "ToolOffset.number", "Material.values"), (), ("verify-coping-torch",)),
 )  # fmt: skip
 
 OWNERS: dict[tuple[Stock, Language], tuple[Owner, ...]] = {

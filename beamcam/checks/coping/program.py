@@ -2,17 +2,16 @@
 
 import re
 
-from beamcam.checks.coping.profile_torch import ProfileTorch
+from beamcam.checks.coping.chart import job_of
+from beamcam.checks.coping.profile_torch import ProfileTorch, TurnedTorch
 from beamcam.checks.coping.section import CoperSection
 from beamcam.checks.coping.strokes import TorchFollower, TorchStroke
 from beamcam.checks.coping.tube import TubeTorch, tube_section
-from beamcam.checks.coping.turned import TurnedTorch
 from beamcam.checks.job import Head
 from beamcam.controllers import cell_events
 from beamcam.controllers.events import in_degrees
 from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.machine.machine import Machine
-from beamcam.machine.torch import is_row_for, material_said
 from beamcam.model.part import Part, Profile
 from beamcam.model.rounds import rolled
 from beamcam.model.section import measures_of
@@ -57,19 +56,17 @@ def strokes_of(
 
     Raises TypeError for a machine without a coper.
     """
-    coper = machine.needed(machine.coper, "coper")
+    job = job_of(part, machine, name)
     events, diagnostics = cell_events(text, machine, name)
     if errors_in(diagnostics):
         return [], list(diagnostics)
-    material = material_said(part.grade, coper.material)
-    rows = [row for row in coper.rows if is_row_for(row.material, material)]
     torch: TorchFollower
-    if coper.unrolls(part.profile.code):
-        section = tube_section(rolled(part), coper)
-        events = in_degrees(events, coper, 2 * section.half_y)
-        torch = TubeTorch(machine, coper, section, rows, name)
+    if job.coper.unrolls(part.profile.code):
+        section = tube_section(rolled(part), job.coper)
+        events = in_degrees(events, job.coper, 2 * section.half_y)
+        torch = TubeTorch(job, section)
     else:
-        follower = TurnedTorch if coper.turns == "bar" else ProfileTorch
-        torch = follower(machine, coper, CoperSection(part.profile), rows, name)
+        follower = TurnedTorch if job.coper.turns == "bar" else ProfileTorch
+        torch = follower(job, CoperSection(part.profile))
     torch.follow(events)
     return torch.strokes, [*diagnostics, *torch.diagnostics]

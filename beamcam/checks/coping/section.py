@@ -47,7 +47,7 @@ def kerf_of(points: Sequence[tuple[float, float]], half_kerf: float) -> Any:
     """All that lies within half a kerf of a path.
 
     That of a connected path is one polygon. GEOS fails at it now and then where a path comes back
-    to its start; then it is put together of its stretches, and so is that of a path which repeats
+    to its start; then it is put together of its segments, and so is that of a path which repeats
     them many times.
     """
     from shapely import LineString, union_all
@@ -126,17 +126,15 @@ class CoperSection:
 
     def plates(self) -> list[Box]:
         """The boxes of web and flanges."""
-        found = [
-            (0.0, self.back, self.high, self.front), (0.0, 0.0, self.flange, self.wide),
-        ]  # fmt: skip
+        boxes = [(0.0, self.back, self.high, self.front), (0.0, 0.0, self.flange, self.wide)]
         if self.has_upper:
-            found.append((self.high - self.flange, 0.0, self.high, self.wide))
+            boxes.append((self.high - self.flange, 0.0, self.high, self.wide))
         if self.lip:
-            found += [
+            boxes += [
                 (0.0, 0.0, self.lip, self.web),
                 (self.high - self.lip, 0.0, self.high, self.web),
             ]
-        return found
+        return boxes
 
     @cached_property
     def outermost(self) -> list[tuple[float, float]]:
@@ -152,8 +150,7 @@ class CoperSection:
         return coper.reach_beside(self.radius, height)
 
     def beside_lip(self, coper: Coper) -> float:
-        """The y of a flange up to which it is cut as its lip is: 1 mm more than its bend, and half
-        of the widest kerf."""
+        """The y of a flange up to which it is cut as its lip is, 1 mm beyond its bend."""
         return self.bend + 1.0 + max(row.kerf for row in coper.rows) / 2 if self.lip else 0.0
 
     @cached_property

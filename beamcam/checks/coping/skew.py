@@ -10,6 +10,7 @@ from math import atan, cos, degrees, hypot, inf, radians, sin, tan
 from typing import Any
 
 from msgspec import Struct
+from shapely import LineString, Polygon, box, union_all
 
 from beamcam.checks.coping import rules
 from beamcam.checks.coping.section import CoperSection, areas_of
@@ -43,11 +44,18 @@ class SkewEnd(Struct, frozen=True):
         return self.c - y * self.by_y - z * self.by_z
 
     def on(self, face: str, section: CoperSection, depth: float) -> tuple[float, float]:
-        """x on a surface of a wall, `depth` below the one that the torch looks at: at y 0, and how
-        much more at y 1."""
+        """x on a surface so far below that of a wall: at y 0, and how much more at y 1."""
         if face == "v":
             return self.x(0.0, section.front - depth), -self.by_y
         return self.x(section.high - depth if face == "o" else depth, 0.0), -self.by_z
+
+    def on_wall(self, face: str, section: CoperSection, depth: float | None = None) -> "EndOnWall":
+        """Where it meets a surface so far below that of a wall, or at its outermost."""
+        depths = (0.0, section.thickness(face)) if depth is None else (depth,)
+        surfaces = [self.on(face, section, deep) for deep in depths]
+        at, more = max(surfaces, key=lambda one: self.side * one[0])
+        apart = section.thickness(face) * tan(radians(self.leans(face)))
+        return EndOnWall(self.side, at, more, apart)
 
     def farthest(self, ys: Sequence[float], zs: Sequence[float]) -> float:
         return self.side * max(self.side * self.x(y, z) for y in ys for z in zs)
@@ -72,11 +80,17 @@ def skew_ends(part: Part, section: CoperSection) -> tuple[SkewEnd | None, SkewEn
             known = [d for d in seen if d is not None]
             same = len(known) == len(flanges) and max(known) - min(known) <= SQUARE_DEG
             flange = known[0] if same else 0.0
-        by_y, by_z = (tan(radians(d)) if abs(d) > SQUARE_DEG else 0.0 for d in (web, flange))
-        corners = [y * by_y + z * by_z for y, z in section.outermost]
-        c = part.length + min(corners) if k else max(corners)
-        skew_ends.append(SkewEnd(1 if k else -1, c, by_y, by_z) if by_y or by_z else None)
+        web, flange = (deg if abs(deg) > SQUARE_DEG else 0.0 for deg in (web, flange))
+        skew_ends.append(end_of(part, section, k, web, flange) if web or flange else None)
     return skew_ends[0], skew_ends[1]
+
+
+def end_of(part: Part, section: CoperSection, k: int, web: float, flange: float) -> SkewEnd:
+    """The start or, for k 1, the end of a part by its angles in degrees."""
+    by_y, by_z = tan(radians(web)), tan(radians(flange))
+    corners = [y * by_y + z * by_z for y, z in section.outermost]
+    c = part.length + min(corners) if k else max(corners)
+    return SkewEnd(1 if k else -1, c, by_y, by_z)
 
 
 def plane_faults(
@@ -136,49 +150,47 @@ class EndOnWall(Struct, frozen=True):
     more: float
     apart: float  #: mm between where it meets the two surfaces of the wall
 
-    def moved(self, place: tuple[float, float]) -> tuple[float, float]:
+    def x(self, y: float) -> float:
+        return self.at + self.more * y
+
+    def moved(self, place: Point) -> Point:
         """A place of an outline; one that is drawn at the end lies on it."""
         x, y = place
-        there = self.at + self.more * y
-        return (there, y) if abs(x - there) <= DRAWN + self.apart else place
+        return (self.x(y), y) if abs(x - self.x(y)) <= DRAWN + self.apart else place
+
+    def step(self, low: float, high: float, x: float) -> Shape:
+        """What lies between it and an x beyond it, of a band from low to high."""
+        a, b = ((self.x(y) - self.side * AT_EDGE, y) for y in (low, high))
+        c, d = ((self.side * max(self.side * x, self.side * self.x(y)), y) for y in (low, high))
+        return Polygon([a, c, d, b])
 
     @property
     def beyond(self) -> Shape:
         """What lies beyond it."""
-        from shapely import Polygon
-
         low, high = -FAR / 100, FAR / 100
         return Polygon([
-            (self.at + self.more * low, low), (self.at + self.more * high, high),
+            (self.x(low), low), (self.x(high), high),
             (self.side * FAR, high), (self.side * FAR, low),
         ])  # fmt: skip
 
 
 def ends_on(
-    ends: Sequence[SkewEnd | None],
-    tilted: Sequence[bool],
-    face: str,
-    section: CoperSection,
+    ends: Sequence[SkewEnd | None], tilted: Sequence[bool], face: str, section: CoperSection,
     depth: float,
-) -> list[EndOnWall]:
+) -> list[EndOnWall]:  # fmt: skip
     """Where the skew ends meet a surface of a wall, those that are cut square the uppermost one."""
-    found = []
-    for end, is_tilted_to in zip(ends, tilted, strict=True):
-        if end is not None:
-            at, more = end.on(face, section, depth if is_tilted_to else 0.0)
-            apart = section.thickness(face) * tan(radians(end.leans(face)))
-            found.append(EndOnWall(end.side, at, more, apart))
-    return found
+    return [
+        end.on_wall(face, section, depth if is_tilted_to else 0.0)
+        for end, is_tilted_to in zip(ends, tilted, strict=True) if end is not None
+    ]  # fmt: skip
 
 
 def _edge_on(
     end: SkewEnd, face: str, drawn: Shape, section: CoperSection, band: tuple[float, float]
 ) -> tuple[float, float]:
     """How much of a wall's edge lies on an end, within a band of it, and how much could; in mm."""
-    from shapely import LineString, box
-
-    at, more = end.on(face, section, 0.0)
-    line = LineString([(at + more * y, y) for y in band])
+    own = end.on_wall(face, section, 0.0)
+    line = LineString([(own.x(y), y) for y in band])
     edge = drawn.boundary.intersection(box(-FAR, band[0], FAR, band[1]))
     return edge.intersection(line.buffer(ON_PLANE)).length, line.length
 
@@ -206,31 +218,28 @@ def is_tilted(
 
 
 def as_square(
-    end: SkewEnd,
-    drawn: Mapping[str, Shape],
-    section: CoperSection,
-    coper: Coper,
+    end: SkewEnd, drawn: Mapping[str, Shape], section: CoperSection, coper: Coper,
     depths: Mapping[str, float],
-) -> tuple[dict[str, Shape], dict[str, float], dict[str, list[Point]]]:
+) -> tuple[dict[str, Shape], dict[str, float], dict[str, list[Point]]]:  # fmt: skip
     """What stays of each wall whose end is cut square to it, how many mm that is too much, and the
     corners of its steps.
 
     `depths` are those to which the passes through the roots cut.
     """
-    found, off = dict(drawn), dict[str, float]()
+    walls, off = dict(drawn), dict[str, float]()
     steps: dict[str, list[Point]] = {face: [] for face in drawn}
     for face, shape in drawn.items():
         band = section.extent(face)
         if _edge_on(end, face, shape, section, (band[0] + 2.0, band[1] - 2.0))[0] >= BARELY:
             thick = section.thickness(face)
             off[face] = thick * tan(radians(end.leans(face)))
-            found[face] = areas_of(shape.union(_up_to(end, face, shape, section)))
+            walls[face] = areas_of(shape.union(_up_to(end, face, shape, section)))
     for face in off if section.lip else ():
         if face != "v":
             band = 0.0, section.beside_lip(coper)
             more, at_lip = _as_long_as_lip(end, face, section, band)
             if at_lip:
-                found[face] = areas_of(found[face].union(more))
+                walls[face] = areas_of(walls[face].union(more))
                 off[face] = max(off[face], at_lip[0])
                 steps[face] += at_lip[1]
     for face in drawn:
@@ -243,18 +252,18 @@ def as_square(
             0.0, deep + ON_PLANE)  # fmt: skip
         x = end.farthest(ys, (max(zs[0], 0.0), min(zs[1], section.wide)))
         for one, band, wide in ((face, zs, section.wide), ("v", ys, section.high)):
-            at, more = outermost(end, one, section)
+            line = end.on_wall(one, section)
             low, high = max(band[0], 0.0), min(band[1], wide)
-            if end.side * more < 0.0 and abs(more) > tan(radians(STEEP_DEG)) and low > ON_PLANE:
-                low = max(0.0, min(low, (x - at) / more))
-            if end.side * more > 0.0 and abs(more) > tan(radians(STEEP_DEG)) and (
-                high < wide - ON_PLANE):  # fmt: skip
-                high = min(wide, max(high, (x - at) / more))
-            steps[one] += [(at + more * y, y) for y in (low, high)]
-            found[one] = areas_of(found[one].union(step_of(end.side, at, more, low, high, x)))
-            reach = [abs(x - at - more * y) for y in (max(band[0], 0.0), min(band[1], wide))]
-            off[one] = max(off[one], *reach)
-    return found, off, steps
+            off[one] = max(off[one], *(abs(x - line.x(y)) for y in (low, high)))
+            if abs(line.more) > tan(radians(STEEP_DEG)):
+                meets = (x - line.at) / line.more
+                if end.side * line.more < 0.0 and low > ON_PLANE:
+                    low = max(0.0, min(low, meets))
+                if end.side * line.more > 0.0 and high < wide - ON_PLANE:
+                    high = min(wide, max(high, meets))
+            steps[one] += [(line.x(y), y) for y in (low, high)]
+            walls[one] = areas_of(walls[one].union(line.step(low, high, x)))
+    return walls, off, steps
 
 
 def _as_long_as_lip(
@@ -262,62 +271,37 @@ def _as_long_as_lip(
 ) -> tuple[Shape, tuple[float, list[Point]] | None]:
     """What a flange keeps beyond an end that is cut square to it, where a pass takes its lip too
     and the lip reaches farther; by how many mm, and where that ends."""
-    from shapely import Polygon
-
     ys = (section.high - section.lip, section.high) if face == "o" else (0.0, section.lip)
     x = end.farthest(ys, (0.0, section.bend))
-    at, more = outermost(end, face, section)
-    far = max(end.side * (x - at - more * z) for z in band)
+    line = end.on_wall(face, section)
+    far = max(end.side * (x - line.x(z)) for z in band)
     if far <= ON_PLANE / 2:
         return Polygon(), None
     low, high = band
-    meets = (x - at) / more if end.side * more > 0.0 else FAR
+    meets = (x - line.at) / line.more if end.side * line.more > 0.0 else FAR
     if meets < high:
         high = meets
-    elif abs(more) > tan(radians(STEEP_DEG)):
+    elif abs(line.more) > tan(radians(STEEP_DEG)):
         high = min(section.wide, meets) if meets < FAR else high
-    return step_of(end.side, at, more, low, high, x), (far, [(at + more * high, high)])
-
-
-def outermost(end: SkewEnd, face: str, section: CoperSection) -> tuple[float, float]:
-    """Where an end lies on a wall at its outermost, at y 0, and how much more at y 1."""
-    surfaces = [end.on(face, section, depth) for depth in (0.0, section.thickness(face))]
-    return max(surfaces, key=lambda one: end.side * one[0])
+    return line.step(low, high, x), (far, [(line.x(high), high)])
 
 
 def _up_to(end: SkewEnd, face: str, shape: Shape, section: CoperSection) -> Shape:
     """What a wall has more of where it is cut square at the outermost of its end."""
-    from shapely import LineString, Polygon, union_all
-
-    at, more = outermost(end, face, section)
-    own, _ = end.on(face, section, 0.0)
+    there, own = end.on_wall(face, section), end.on_wall(face, section, 0.0)
     ys = -1.0, (section.high if face == "v" else section.wide) + 1.0
-    line = LineString([(own + more * y, y) for y in ys])
+    line = LineString([(own.x(y), y) for y in ys])
     edge = shape.boundary.intersection(line.buffer(ON_PLANE))
-    found = []
+    areas = []
     for one in getattr(edge, "geoms", (edge,)):
         _, y0, _, y1 = one.bounds if not one.is_empty else (0.0, 0.0, 0.0, 0.0)
         if y1 - y0 > 2 * ON_PLANE:
             inside = end.side * -ON_PLANE
-            found.append(Polygon([
-                (own + more * y0 + inside, y0), (at + more * y0, y0), (at + more * y1, y1),
-                (own + more * y1 + inside, y1),
+            areas.append(Polygon([
+                (own.x(y0) + inside, y0), (there.x(y0), y0), (there.x(y1), y1),
+                (own.x(y1) + inside, y1),
             ]))  # fmt: skip
-    return union_all(found)
-
-
-def step_of(side: float, at: float, more: float, low: float, high: float, x: float) -> Shape:
-    """What lies between a line x = at + more y and an x beyond it, of a band from low to high."""
-    from shapely import Polygon
-
-    def out(y: float) -> float:
-        line = at + more * y
-        return max(line, x) if side > 0 else min(line, x)
-
-    def inside(y: float) -> float:
-        return at + more * y - side * AT_EDGE
-
-    return Polygon([(inside(low), low), (out(low), low), (out(high), high), (inside(high), high)])
+    return union_all(areas)
 
 
 def own_bevels(feature: Feature, ends: Sequence[SkewEnd | None], least: float) -> Iterator[Bevel]:

@@ -5,17 +5,19 @@ through the outermost corner of the section. A wall ends where either of its sur
 farthest; a drawing may have the other one.
 """
 
-from collections.abc import Callable, Iterator, Sequence
-from math import ceil, cos, inf, pi, radians, sin, tan
+from collections.abc import Iterator, Sequence
+from math import ceil, cos, inf, pi, radians, sin
 from typing import Any
 
 from msgspec import Struct
+from shapely import MultiPoint, Polygon, make_valid, union_all
 
 from beamcam.checks.coping.section import CoperSection
+from beamcam.checks.coping.skew import EndOnWall, end_of
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper
-from beamcam.model.part import Contour, Hole, Part, Slot
+from beamcam.model.part import Contour, Feature, Hole, Part, Slot
 
 FINE = 0.02  #: mm between a curve and its chords, at most
 STEPS = 256  #: of a curve that is no arc
@@ -31,22 +33,20 @@ def ring_of(curves: tuple[Curve, ...]) -> list[Point]:
 
 def inside_of(ring: Sequence[Point]) -> Any:
     """The inside of a ring, also of one that crosses itself."""
-    from shapely import Polygon, make_valid
-
     whole = Polygon(ring)
     return whole if whole.is_valid else make_valid(whole)
 
 
 def outline_ring(
-    curves: tuple[Curve, ...], edges: Sequence[float], at_end: Callable[[Point], Point],
+    curves: tuple[Curve, ...], edges: Sequence[float], ends: Sequence[EndOnWall] = (),
     seam_from: float = inf,
 ) -> list[Point]:  # fmt: skip
     """Points along an outline, its sides near one of some edges on that edge.
 
     A side of a tube that is as long as `seam_from` may be its seam.
 
-    Only ends of straight sides are moved, to an edge and then by `at_end`; those of an arc that
-    runs into an edge are steel that is asked for.
+    Only ends of straight sides are moved, to an edge and then to one of the wall's `ends`; those of
+    an arc that runs into an edge are steel that is asked for.
     """
     points: list[Point] = []
     for k, curve in enumerate(curves):
@@ -55,7 +55,9 @@ def outline_ring(
         x, y = first
         on = [edge for edge in edges if any(_is_edge(side, edge, seam_from) for side in sides)]
         first = (x, on[0] if on else y)
-        points += [at_end(first) if sides else first, *rest]
+        for end in ends if sides else ():
+            first = end.moved(first)
+        points += [first, *rest]
     return points
 
 
@@ -88,95 +90,59 @@ def round_ring(
         yield x + radius * cos(turn), y + radius * sin(turn)
 
 
-def slot_ring(slot: Slot) -> Iterator[Point]:
-    """Points of the round corners of a slot, whose hull it is."""
-    c, s = cos(radians(slot.angle)), sin(radians(slot.angle))
-    for k, (a, b) in enumerate(((0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5))):
-        x = slot.x + a * slot.length * c - b * slot.height * s
-        y = slot.y + a * slot.length * s + b * slot.height * c
-        yield from round_ring(x, y, slot.diameter / 2, slot.angle + 90.0 * k, 90.0)
+def taken(feature: Feature) -> Any:
+    """What a hole, a slot or a contour takes of its wall."""
+    if isinstance(feature, Hole):
+        return Polygon(round_ring(feature.x, feature.y, feature.diameter / 2))
+    if isinstance(feature, Slot):  # the hull of its round corners
+        c, s, rounds = cos(radians(feature.angle)), sin(radians(feature.angle)), list[Point]()
+        for k, (a, b) in enumerate(((0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5))):
+            x = feature.x + a * feature.length * c - b * feature.height * s
+            y = feature.y + a * feature.length * s + b * feature.height * c
+            rounds += round_ring(x, y, feature.diameter / 2, feature.angle + 90.0 * k, 90.0)
+        return MultiPoint(rounds).convex_hull
+    return inside_of(ring_of(feature.curves)) if isinstance(feature, Contour) else Polygon()
 
 
-Shape = Any  #: of shapely
-DRAWN = 1.0  #: mm that a drawing may be off an end and mean it
+def is_through(feature: Feature) -> bool:
+    """Whether what another machine has made goes through its wall, but for its ends."""
+    if isinstance(feature, Hole | Slot):
+        return feature.kind != "mark" and feature.depth is None
+    return isinstance(feature, Contour) and feature.kind == "inner" and feature.process == "cut"
 
 
 class WallStock(Struct, frozen=True):
-    """The ends of each wall: x at y 0 and at y 1, and how far apart its two surfaces end."""
+    """The steel of each wall."""
 
     is_piece: bool
-    ends: dict[str, tuple[tuple[float, float, float], ...]]
+    ends: dict[str, tuple[EndOnWall, EndOnWall]]
     widths: dict[str, float]
-    open: dict[str, Shape] = {}  #: by wall, the holes of a piece that are there
+    open: dict[str, Any] = {}  #: by wall, the holes of a piece that are there
 
-    def wall(self, face: str) -> Shape:
+    def wall(self, face: str) -> Any:
         """All steel of a wall, (x, y) of its face, with that where its holes are."""
-        from shapely import Polygon
-
-        (a0, a1, _), (b0, b1, _) = self.ends[face]
-        wide = self.widths[face]
+        (start, end), wide = self.ends[face], self.widths[face]
         return Polygon(
-            [(a0, 0.0), (b0, 0.0), (b0 + (b1 - b0) * wide, wide), (a0 + (a1 - a0) * wide, wide)]
+            [(start.x(0.0), 0.0), (end.x(0.0), 0.0), (end.x(wide), wide), (start.x(wide), wide)]
         )
-
-    def at_end(self, face: str, place: tuple[float, float]) -> tuple[float, float]:
-        """A place of a drawing; at the end of a piece, on that end."""
-        x, y = place
-        for at_0, at_1, apart in self.ends[face] if self.is_piece else ():
-            there = at_0 + (at_1 - at_0) * y
-            if abs(x - there) <= DRAWN + apart:
-                return there, y
-        return place
 
 
 def stock_of(part: Part, section: CoperSection, coper: Coper) -> WallStock:
     """The bar that a part is cut from, or the piece that comes cut."""
-    widths = {face: section.high if face == "v" else section.wide for face in section.faces}
+    faces = section.faces
+    widths = {face: section.high if face == "v" else section.wide for face in faces}
     if part.made is None:
         low, high = -coper.trim, part.length + coper.trim
-        square = ((low, low, 0.0), (high, high, 0.0))
-        return WallStock(False, dict.fromkeys(section.faces, square), widths)
+        square = EndOnWall(-1, low, 0.0, 0.0), EndOnWall(1, high, 0.0, 0.0)
+        return WallStock(False, dict.fromkeys(faces, square), widths)
     cuts = part.cuts
-    starts = _plane(section, cuts.web_start, cuts.flange_start, 0.0, max)
-    ends = _plane(section, cuts.web_end, cuts.flange_end, part.length, min)
-    faces = section.faces
+    both = (cuts.web_start, cuts.flange_start), (cuts.web_end, cuts.flange_end)
+    start, end = (end_of(part, section, k, *angles) for k, angles in enumerate(both))
+    made = [f for f in part.made if is_through(f)]
     return WallStock(
-        True, {face: (starts[face], ends[face]) for face in faces}, widths,
-        {face: _open(part, face) for face in faces},
+        True, {face: (start.on_wall(face, section), end.on_wall(face, section)) for face in faces},
+        widths,
+        {face: union_all([taken(f) for f in made
+                          if getattr(f, "face", "").replace("h", "v") == face])
+         for face in faces},
     )  # fmt: skip
-
-
-def _open(part: Part, face: str) -> Shape:
-    """The holes, slots and cut-outs of a wall that are there."""
-    from shapely import MultiPoint, Polygon, union_all
-
-    found: list[Shape] = []
-    for feature in part.made or ():
-        if getattr(feature, "face", "") not in {"v": "vh"}.get(face, face):
-            continue
-        if isinstance(feature, Hole) and feature.kind != "mark" and feature.depth is None:
-            found.append(Polygon(round_ring(feature.x, feature.y, feature.diameter / 2)))
-        elif isinstance(feature, Slot) and feature.depth is None:
-            found.append(MultiPoint([*slot_ring(feature)]).convex_hull)
-        elif isinstance(feature, Contour) and feature.kind == "inner" and feature.process == "cut":
-            found.append(inside_of(ring_of(feature.curves)))
-    return union_all(found)
-
-
-def _plane(
-    section: CoperSection, web_deg: float, flange_deg: float, outermost: float, pick: Any
-) -> dict[str, tuple[float, float, float]]:
-    """Where a plane ends each wall; `pick` takes of leaning corners the one at `outermost`."""
-    by_y, by_z = tan(radians(web_deg)), tan(radians(flange_deg))
-    c = outermost + pick(y * by_y + z * by_z for y, z in section.outermost)
-    outer = min if pick is max else max
-    plane = {}
-    for face in section.faces:
-        if face == "v":
-            xs = [[c - y * by_y - z * by_z for z in (section.back, section.front)] for y in (0, 1)]
-        else:
-            inside = section.high - section.flange if face == "o" else 0.0
-            ys = (inside, inside + section.flange)
-            xs = [[c - y * by_y - z * by_z for y in ys] for z in (0, 1)]
-        plane[face] = (outer(xs[0]), outer(xs[1]), abs(xs[0][0] - xs[0][1]))
-    return plane

@@ -1,14 +1,23 @@
 """What the torch of a coper does: each stroke from pierce to end, and what is wrong on its way."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from math import cos, hypot, isfinite, pi, radians, sin, tan
 from typing import Any
 
 from msgspec import Struct
 
 from beamcam.checks.coping import rules
-from beamcam.checks.coping.section import ARC, jet_of, kerf_of, narrowed
+from beamcam.checks.coping.chart import CoperJob
+from beamcam.checks.coping.section import (
+    ARC,
+    CoperSection,
+    jet_of,
+    kerf_of,
+    line_of,
+    narrowed,
+    pieces_of,
+)
 from beamcam.controllers import cell_events
 from beamcam.controllers.events import (
     BarEvent,
@@ -21,6 +30,7 @@ from beamcam.controllers.events import (
     Switch,
 )
 from beamcam.errors import Diagnostic, Source, add_few
+from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import TorchRow
@@ -29,6 +39,8 @@ ANGLES = {-90.0: "o", 0.0: "v", 90.0: "u"}  #: what the torch looks at, by A
 ANGLE_SLACK_DEG = 0.01
 TINY = 1e-12  #: of the square of a lean
 HEIGHT_SLACK = 0.02  #: mm
+MIDDLE_SLACK = 0.05  #: mm of height on the way of a block on which the torch or the bar turns
+AT_END = 0.01  #: mm from the ends of a path
 TIME_SLACK_S = 0.0006
 LONGEST_PAUSE_S = 60.0  #: with the torch off
 ENDS = (2, 30)
@@ -45,15 +57,15 @@ class TorchStroke(Struct, frozen=True):
     line: int
     face: str
     #: x of the part and y of the face, where the torch points at
-    points: tuple[tuple[float, float], ...]
-    places: tuple[tuple[float, float], ...]  #: Y and Z of the tip
+    points: tuple[Point, ...]
+    places: tuple[Point, ...]  #: Y and Z of the tip
     row: TorchRow
     b_deg: float = 0.0  #: tilt of the torch towards X, where it starts
     #: how far the head is over along x and y of the face, by mm of height, at each of `points`;
     #: empty where the torch looks square at the face but for a tilt that stands still
-    leans: tuple[tuple[float, float], ...] = ()
+    leans: tuple[Point, ...] = ()
 
-    def at(self, depth: float) -> tuple[tuple[float, float], ...]:
+    def at(self, depth: float) -> tuple[Point, ...]:
         """Where it goes through a plane so far below the face."""
         if self.leans:
             return tuple(
@@ -66,6 +78,12 @@ class TorchStroke(Struct, frozen=True):
     @property
     def is_tilted(self) -> bool:
         return bool(self.b_deg or self.leans)
+
+    @property
+    def across(self) -> tuple[float, float]:
+        """Its least and its greatest y."""
+        ys = [y for _, y in self.points]
+        return min(ys), max(ys)
 
     @property
     def share(self) -> float:
@@ -98,24 +116,26 @@ class TorchStroke(Struct, frozen=True):
 
     def pierced(self, depth: float) -> Any:
         """What piercing takes there."""
-        from shapely import Point, Polygon
+        from shapely import Point as Place
+        from shapely import Polygon
 
         (x, y), radius = self.at(depth)[0], self.row.pierce_radius
         if self.leans:
-            return Polygon([(x + dx, y + dy) for dx, dy in ellipse(radius, self.leans[0])])
+            turns = (2 * pi * k / (4 * ARC) for k in range(4 * ARC))
+            round_it = ((radius * cos(t), radius * sin(t)) for t in turns)
+            oval = (stretched(place, self.leans[0], True) for place in round_it)
+            return Polygon([(x + dx, y + dy) for dx, dy in oval])
         share = self.share
-        return narrowed(Point(x * share, y).buffer(radius, ARC), 1.0 / share)
+        return narrowed(Place(x * share, y).buffer(radius, ARC), 1.0 / share)
 
 
-def stretched(
-    place: tuple[float, float], lean: tuple[float, float], longer: bool
-) -> tuple[float, float]:
+def stretched(place: Point, lean: Point, longer: bool) -> Point:
     """A place as long along a lean as a surface cuts a round jet that leans so; or back again."""
     (x, y), (xx, xy, yx, yy) = place, _stretch(lean, longer)
     return x * xx + y * xy, x * yx + y * yy
 
 
-def _stretch(lean: tuple[float, float], longer: bool) -> tuple[float, float, float, float]:
+def _stretch(lean: Point, longer: bool) -> tuple[float, float, float, float]:
     """The matrix of `stretched`, row by row."""
     lx, ly = lean
     long = hypot(1.0, lx, ly)
@@ -123,10 +143,28 @@ def _stretch(lean: tuple[float, float], longer: bool) -> tuple[float, float, flo
     return 1.0 + by * lx * lx, by * lx * ly, by * lx * ly, 1.0 + by * ly * ly
 
 
-def ellipse(radius: float, lean: tuple[float, float]) -> list[tuple[float, float]]:
-    """How a surface cuts a round jet that leans so."""
-    turns = (2 * pi * k / (4 * ARC) for k in range(4 * ARC))
-    return [stretched((radius * cos(t), radius * sin(t)), lean, True) for t in turns]
+def through_root(
+    face: str, section: CoperSection, strokes: Sequence[TorchStroke]
+) -> list[TorchStroke]:
+    """The strokes on a flange that go through the whole of its root."""
+    back, front = section.root(face)
+    there = (stroke for stroke in strokes if stroke.face == face)
+    return [one for one in there if one.across[0] <= back and one.across[1] >= front]
+
+
+def in_air(points: Sequence[Point], steel: Any, row: TorchRow, coper: Coper) -> Point | None:
+    """A place of a path in air, but just beyond the edges where it begins and ends; or None.
+
+    Where its lead begins on an edge it goes on beside that edge to the contour.
+    """
+    path = line_of(points)
+    ends = [line_of([points[k]]) for k in (0, -1)]
+    for air in pieces_of(path.difference(steel.buffer(row.kerf / 4))):
+        at_end = any(air.distance(end) <= AT_END for end in ends)
+        if air.length > (coper.over + 3 * row.kerf if at_end else row.kerf):
+            x, y = air.representative_point().coords[0]
+            return x, y
+    return None
 
 
 class TipMove(Struct, frozen=True, gc=False):
@@ -144,16 +182,13 @@ class TorchFollower(ABC):
 
     turning = False  #: whether A may turn with the torch on, which is upright then
 
-    def __init__(self, machine: Machine, coper: Coper, rows: Sequence[TorchRow], name: str) -> None:
+    def __init__(self, job: CoperJob) -> None:
         self.diagnostics: list[Diagnostic] = []
         self.strokes: list[TorchStroke] = []
         self.ways: list[TipMove] = []
-        self._machine, self._coper = machine, coper
-        self._rows, self._name = rows, name
-        self._on_words, self._off_words = (
-            _switches(machine, "cut_on"),
-            _switches(machine, "cut_off"),
-        )
+        machine, coper = job.machine, job.coper
+        self._job, self._coper = job, coper
+        self._on_words, self._off_words = (_switches(machine, w) for w in ("cut_on", "cut_off"))
         self._on_at: int | None = None  #: line of the word that started it
         self._waited = 0.0
         self._moves: list[Move[Place]] = []  #: since it was started
@@ -163,7 +198,12 @@ class TorchFollower(ABC):
                          for axis in machine.axes if axis.moves in "XYZAB"]  # fmt: skip
         self._a_deg: float | None = None
         self._tilts = coper.tilt > 0.0
-        self._measuring = {name: _carriers(machine, name) for name in ("height", "width")}
+        #: the M words that say a measured height or width, each by its number and its letters
+        self._measuring = {
+            name: [(number, *(letter for letter, _ in said))
+                   for number, said in _switches(machine, f"measured_{name}")]
+            for name in ("height", "width")
+        }  # fmt: skip
         self._measured: dict[str, list[float]] = {name: [] for name in self._measuring}
 
     def follow(self, events: Sequence[BarEvent]) -> None:
@@ -193,11 +233,11 @@ class TorchFollower(ABC):
             if self._measuring[name] and len(figures) != 1:
                 found = f"{len(figures)} figures of the bar's {name}"
                 expected = "one, by the words of the machine file"
-                self._say(rules.MEASURED.at(Source(self._name), found=found, expected=expected))
+                self._say(rules.MEASURED.at(self._job.at(), found=found, expected=expected))
             for figure in figures:
                 if abs(figure - size) > self._coper.rolled:
                     self._say(rules.MEASURED.at(
-                        Source(self._name), found=f"a {name} of {figure:g} mm",
+                        self._job.at(), found=f"a {name} of {figure:g} mm",
                         expected=f"{size:g} mm, {self._coper.rolled:g} mm more or less",
                     ))  # fmt: skip
 
@@ -207,7 +247,7 @@ class TorchFollower(ABC):
         """The height and the width of the bar by its section."""
 
     def _wrong(self, line: int, found: str, expected: str) -> None:
-        self._say(rules.TORCH.at(Source(self._name, line), found=found, expected=expected))
+        self._say(rules.TORCH.at(self._job.at(line), found=found, expected=expected))
 
     def _say(self, diagnostic: Diagnostic) -> None:
         add_few(self.diagnostics, diagnostic)
@@ -262,12 +302,10 @@ class TorchFollower(ABC):
             return
         may_turn = self.turning or (self._tilts and move.minutes > 0.0)
         if is_on and not may_turn and a_before != a_deg:
-            self._say(rules.ANGLE.at(Source(self._name, move.line), found=f"{a_deg:g}, turning"))
+            self._say(rules.ANGLE.at(self._job.at(move.line), found=f"{a_deg:g}, turning"))
         if is_on and not may_turn and tilts[0] != tilts[1]:
-            found = f"{tilts[1]:g}, turning"
-            self._say(rules.TILT.at(
-                Source(self._name, move.line), found=found, expected=f"{self._coper.tilt:g}"
-            ))  # fmt: skip
+            found, expected = f"{tilts[1]:g}, turning", f"{self._coper.tilt:g}"
+            self._say(rules.TILT.at(self._job.at(move.line), found=found, expected=expected))
         if self._is_placed and isfinite(sum(move.start) + a_before + tilts[0]):
             self.ways.append(TipMove(move.line, move.start, move.end, move.a_deg, tilts))
         if is_on:
@@ -288,7 +326,7 @@ class TorchFollower(ABC):
             found = figures[place]
             if not least <= found <= most and isfinite(found):
                 self._say(rules.LIMIT.at(
-                    Source(self._name, move.line), axis=axis, found=f"{found:g}",
+                    self._job.at(move.line), axis=axis, found=f"{found:g}",
                     least=f"{least:g}", most=f"{most:g}",
                 ))  # fmt: skip
 
@@ -304,23 +342,26 @@ class TorchFollower(ABC):
     def _take(self, line: int, moves: Sequence[Move[Place]]) -> None:
         """Adds the stroke of some moves, and says what is wrong with it."""
 
-    def _pierce_time(self, source: Source, row: TorchRow) -> None:
+    def _heights(
+        self, source: Source, face: str, row: TorchRow, ends: Sequence[float],
+        between: Sequence[float],
+    ) -> None:  # fmt: skip
+        """Says where the torch does not wait as long as its row asks for, and where its tip is not
+        as high over the steel: at the `ends` of moves, the first of which is where it pierces, and
+        `between` them as it cuts."""
         if abs(self._waited - row.pierce_s) > TIME_SLACK_S:
             found = f"{self._waited:g}"
             self._say(rules.PIERCE.at(source, found=found, expected=f"{row.pierce_s:g}"))
-
-    def _height(
-        self, source: Source, face: str, over: Iterable[float], wanted: float, does: str
-    ) -> None:
-        """Says where the tip is not as high over the steel as wanted."""
-        for found in over:
-            if abs(found - wanted) > HEIGHT_SLACK:
-                self._say(
-                    rules.HEIGHT.at(
-                        source, found=f"{found:.3f}", face=face, does=does, expected=f"{wanted:g}"
-                    )
-                )
-                return
+        off = max(between, key=lambda one: abs(one - row.cut_height), default=row.cut_height)
+        for over, height, most, does in (
+            (ends[:1], row.pierce_height, HEIGHT_SLACK, "pierces"),
+            (ends[1:], row.cut_height, HEIGHT_SLACK, "cuts"),
+            ((off,), row.cut_height, MIDDLE_SLACK, "cuts on its way"),
+        ):
+            if (found_at := next((h for h in over if abs(h - height) > most), None)) is not None:
+                self._say(rules.HEIGHT.at(
+                    source, found=f"{found_at:.3f}", face=face, does=does, expected=f"{height:g}"
+                ))  # fmt: skip
 
 
 def below(place: Place, far: float, a_deg: float, b_deg: float) -> Place:
@@ -338,12 +379,6 @@ def _switches(machine: Machine, word: str) -> frozenset[Said]:
     text = "\n".join(line.format_map(_Filled(_FIGURES)) for line in getattr(machine.words, word))
     events, _ = cell_events(text + "\n", machine, "")
     return frozenset(event.said for event in events if isinstance(event, Switch))
-
-
-def _carriers(machine: Machine, name: str) -> list[tuple[int | str, ...]]:
-    """The M words that say a measured height or width, each by its number and its letter."""
-    words = _switches(machine, f"measured_{name}")
-    return [(number, *(letter for letter, _ in said)) for number, said in words]
 
 
 class _Filled(dict[str, str]):

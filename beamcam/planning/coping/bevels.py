@@ -28,11 +28,11 @@ from beamcam.errors import Diagnostic
 from beamcam.geometry.curves import Point
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
-from beamcam.model.part import Bevel, Contour, Face, Part
+from beamcam.model.part import Contour, Face, Part
 from beamcam.model.plan import CopeCut
 from beamcam.planning.coping import rules
 from beamcam.planning.coping.chart import Chart
-from beamcam.planning.coping.cuts import CutChain, led
+from beamcam.planning.coping.cuts import CutChain, Leads
 from beamcam.planning.coping.edges import BevelEdge, bevel_edges
 from beamcam.planning.coping.ends import own_bevels
 from beamcam.planning.coping.passes import NoPass, Passes
@@ -78,7 +78,9 @@ def bevel_cuts(
             if not bevels or not coper.tilt:
                 continue
             region = regions[face]
-            contour = _as_seen(contour, bevels, face, region.wall)
+            contour = replace(contour, bevels=tuple(bevels))
+            if contour.face != face:
+                contour = from_behind(contour, face, region.wall.thickness)
             own: list[CopeCut] = []
             count = 0
             # One cut makes an edge only before all else is made of the square cut beside it.
@@ -95,7 +97,11 @@ def bevel_cuts(
                     if edge.is_whole:
                         _replace(square, plan.square_beside(edge), edge, region, coper)
                 except NoPass as why:
-                    notes.append(_left(edge, contour, str(why)))
+                    x, y = edge.curves[0].start
+                    notes.append(rules.BEVEL.at(
+                        contour.source, found=f"{edge.angle:g}", land=f"{edge.land:g}",
+                        face=contour.face, x=f"{x:.1f}", y=f"{y:.1f}", why=str(why),
+                    ))  # fmt: skip
                 else:
                     own.append(cut)
                     count += edge.count
@@ -107,36 +113,20 @@ def bevel_cuts(
     return BevelsMade([*square, *passes], made, notes)
 
 
-def _as_seen(contour: Contour, bevels: Sequence[Bevel], face: Face, wall: PlannedWall) -> Contour:
-    """A contour with some of its bevels, as the torch sees it."""
-    contour = replace(contour, bevels=tuple(bevels))
-    return contour if contour.face == face else from_behind(contour, face, wall.thickness)
-
-
-def _left(edge: BevelEdge, contour: Contour, why: str) -> Diagnostic:
-    """Why an edge is left for manual work."""
-    x, y = edge.curves[0].start
-    return rules.BEVEL.at(
-        contour.source, found=f"{edge.angle:g}", land=f"{edge.land:g}", face=contour.face,
-        x=f"{x:.1f}", y=f"{y:.1f}", why=why,
-    )  # fmt: skip
-
-
 def _replace(
     square: dict[CopeCut, CutChain], cut: CopeCut | None, edge: BevelEdge, region: WallRegion,
     coper: Coper,
 ) -> None:  # fmt: skip
-    """Puts what is left of a square cut beside an edge that one cut makes in its place. Raises
-    NoPass where that has no room."""
+    """Leaves of a square cut what an edge that one cut makes leaves it. Raises NoPass."""
     assert cut is not None
     wall, found = region.wall, dict[CopeCut, CutChain]()
     for chain in _beside(edge, square[cut], cut.row.kerf / 2, wall):
         if cut.thickness > wall.thickness and not is_rooted(chain, wall):
             raise NoPass("the square cut beside it would be cut as its root is")
-        way = led(chain, wall, region.shape, cut.row, coper)
-        if way is None:
+        path = Leads(region, cut.row, coper).path(chain)
+        if path is None:
             raise NoPass("the square cut beside it has no scrap to be pierced in")
-        found[replace(cut, path=way.path, lead=way.lead)] = chain
+        found[replace(cut, path=path)] = chain
     del square[cut]
     square |= found
 
@@ -164,8 +154,3 @@ def _beside(edge: BevelEdge, chain: CutChain, half: float, wall: PlannedWall) ->
         more = half * tan(turn / 2) * (1.0 if points is chain.points else -1.0)
         end: Point = (at[0] + more * wx, at[1] + more * wy)
         yield CutChain((*points[:k], at, end), start, "bevel")
-
-
-def edges_of(cuts: Sequence[CopeCut]) -> Iterator[Face]:
-    """The walls of the far end that a second pass follows."""
-    yield from dict.fromkeys(cut.face for cut in cuts if cut.bevel and cut.kind == "far")

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 from msgspec import Struct
+from shapely import Polygon, box, get_coordinates, get_parts, get_rings, transform, union_all
 
 from beamcam.errors import Diagnostic
 from beamcam.geometry.array_types import Floats
@@ -39,16 +40,12 @@ class BoxFace(Struct, frozen=True):
 
     def levels(self, from_high: bool, most: float) -> Floats:
         """How far places at which its lines bend are off one of its edges, `most` at most."""
-        from shapely import get_coordinates
-
         ys = get_coordinates(self.shape)[:, 1]
         offs = np.unique(np.round(self.size - ys if from_high else ys, 6))
         return offs[(offs > CHORD) & (offs < most - CHORD)]
 
     def crossings(self, offs: Any, from_high: bool) -> list[Floats]:
         """x where lines of the face are, at each distance from one of its edges; along the part."""
-        from shapely import get_coordinates, get_parts, get_rings
-
         offs = np.clip(offs, EDGE, self.size - EDGE)
         ys = self.size - offs if from_high else offs
         rings = get_rings(get_parts(self.shape))
@@ -76,8 +73,6 @@ def corner_of(
     part: Part, faces: Mapping[Face, BoxFace], corner: SurfacePatch
 ) -> tuple[Shape | None, dict[Face, float], list[Diagnostic]]:
     """What stays of a corner, how much a square cut is off inside of the walls beside it."""
-    from shapely import Polygon, union_all
-
     (a, a_high), (b, b_high) = BESIDE[corner.patch.name]
     r, wall = corner.patch.radius, corner.patch.thickness
     gone: list[Shape] = []
@@ -95,7 +90,7 @@ def corner_of(
     if isinstance(over, str):
         return None, {}, [rules.CORNER.at(source, found=over, a=a, b=b)]
     turns, lines, leaning, reaches = over
-    said = [
+    reached = [
         rules.REACHES.at(source, face=face, into=f"{into:.2f}",
                          found=f"{r * (asin(into / (r - wall)) - asin(into / r)):.2f}")
         for face, into in zip((a, b), reaches, strict=True) if into
@@ -107,7 +102,7 @@ def corner_of(
         for low, high in zip(sides[::2], sides[1::2], strict=True)
     ]
     left = dict(zip((b, a), leaning, strict=True))
-    return union_all(shapes).difference(union_all(gone)), left, said
+    return union_all(shapes).difference(union_all(gone)), left, reached
 
 
 def _lines_over(
@@ -159,8 +154,6 @@ def _lines_over(
 
 def to_edges(shape: Shape, size: float, radius: float) -> Shape:
     """A face whose outline ends at the tangents of its corners, gone straight on to the edges."""
-    from shapely import Polygon
-
     if shape.geom_type != "Polygon" or shape.is_empty:
         return shape
     _, low, _, high = shape.bounds
@@ -180,8 +173,7 @@ def to_edges(shape: Shape, size: float, radius: float) -> Shape:
 
 
 def on_surface(one: BoxFace, y: float, wall: float) -> Iterator[float]:
-    """The s of a place of a face; on a corner beside it as it is seen from there, where outside of
-    the wall and where inside."""
+    """The s of a place of a face; on a corner beside it outside of the wall and inside."""
     low, high = one.leg.patch.low, one.leg.patch.high
     into, r = max(low - y, y - high), min(low, one.size - high)
     if into <= CHORD:
@@ -197,8 +189,6 @@ def ending_in(one: BoxFace, high: bool, r: float) -> tuple[BoxFace, list[tuple[S
 
     A face sees the corner beside it up to its middle, where the other one begins.
     """
-    from shapely import box, get_coordinates, union_all
-
     low, top, deepest = *((one.size - r, one.size) if high else (0.0, r)), r * sin(pi / 4)
     ys = get_coordinates(one.shape)[:, 1]
     intos = ys - low if high else top - ys
@@ -224,7 +214,6 @@ def _oncorner_of(void: Shape, size: float, high: bool, r: float, at: float, way:
 
     `at` is where the corner begins for the face, from where the surface goes `way` into it.
     """
-    from shapely import transform
 
     def laid(places: Floats) -> Floats:
         into = places[:, 1] - (size - r) if high else r - places[:, 1]

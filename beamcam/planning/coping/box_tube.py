@@ -9,20 +9,20 @@ An end that is a plane is skew through the wall. It is cut square to the surface
 reaches farthest, so that no steel is missing; the rest is manual work.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from math import radians, tan
-from typing import Any, Literal, TypeGuard
+from typing import Any, TypeGuard
 
 import numpy as np
 from msgspec import Struct
+from msgspec.structs import replace
+from shapely import box, transform, union_all
 
 from beamcam.errors import Diagnostic
 from beamcam.geometry.array_types import Floats
 from beamcam.geometry.curves import Point
 from beamcam.model.part import Contour, Face, Part
-from beamcam.model.section import corners
 from beamcam.model.surface import Around, SurfacePatch
-from beamcam.planning import rules as bar_rules
 from beamcam.planning.coping import rules
 from beamcam.planning.coping.box_corners import (
     MEET,
@@ -32,32 +32,25 @@ from beamcam.planning.coping.box_corners import (
     on_surface,
     to_edges,
 )
+from beamcam.planning.coping.ends import SectionEnd, plane_at
 from beamcam.planning.coping.regions import (
     CHORD,
     OUTLINE_NOISE,
     Cut,
     Shape,
-    curves_of,
     outline_on,
-    shape_of,
     sharp_corners,
+    taken,
 )
 from beamcam.planning.coping.tube_ends import (
     OVERLAP,
     SKEW_DEG,
-    Plane,
+    denied,
     header_slopes,
-    planes_of,
+    own_planes,
     within,
 )
-from beamcam.planning.coping.tube_pieces import (
-    BEYOND,
-    EndLine,
-    FaceEnds,
-    farthest_beyond,
-    lies_beyond,
-    opened,
-)
+from beamcam.planning.coping.tube_pieces import BEYOND, EndLine, FaceEnds, beyond_ends, opened
 from beamcam.planning.coping.walls import PlannedWall
 
 FACES: tuple[Face, ...] = ("u", "v", "o", "h")  #: on the way round
@@ -80,59 +73,49 @@ def unrolled(
 
     `there` are the ends of a piece that comes cut, beyond which its faces go on.
     """
-    from shapely import box, transform, union_all
-
     own = [f for f in map(part.features.__getitem__, features) if isinstance(f, Cut)]
     diagnostics: list[Diagnostic] = []
     faces = {
         face: _face(part, face, own, way.on_face(face), diagnostics, there[face] if there else None)
         for face in FACES
     }
-    diagnostics += [d for side in (-1, 1) for d in _denied(part, faces, side)]
     ends = [_end(part, faces, side) for side in (-1, 1)]
-    planes = [*filter(None, ends), *planes_of(part, features)]
+    for side, plane in zip((-1, 1), ends, strict=True):
+        if plane is None and any(slopes := header_slopes(part, side)):
+            diagnostics.append(denied(part, (side, slopes[0])))
+    planes = [*filter(None, ends), *own_planes(part, features)]
     slant = {
-        face: max((plane.slant(one.leg.patch.outward, part.profile.thickness(face))
+        face: max((part.profile.thickness(face) * abs(plane.by_y * y + plane.by_z * z)
                    for plane in planes), default=0.0)
-        for face, one in faces.items()
+        for face, one in faces.items() for y, z in (one.leg.patch.outward,)
     }  # fmt: skip
     points: list[Point] = []
     for face, one in faces.items():
         shape = _beyond_ends(one, part, ends)
-        taken = [f for f in own if f.face == face and not _is_outline(f)]
-        of_face = [*_outlines(face, own), *taken]
+        inner = [f for f in own if f.face == face and not _is_outline(f)]
+        of_face = [*_outlines(face, own), *inner]
         points += [
             (x, s) for contour in of_face if isinstance(contour, Contour)
             for x, y in sharp_corners(contour) if CHORD < y < one.size - CHORD
             for s in on_surface(one, y, part.profile.thickness(face))
         ]  # fmt: skip
-        for feature in taken:
+        for feature in inner:
             lines = there[face].lines if there else ()
-            drawn = shape_of(curves_of(feature))
+            drawn = taken(feature)
             gone = opened(drawn, lines)
-            if not gone.intersects(shape) or lies_beyond(drawn, lines):
+            if not gone.intersects(shape) or beyond_ends(drawn, lines)[0] >= 0.0:
                 diagnostics.append(
                     rules.OFF.at(feature.source, what=f"a hole or cut-out of face {face}")
                 )
             shape = shape.difference(gone)
-        faces[face] = BoxFace(one.leg, one.size, shape, one.drawn)
+        faces[face] = replace(one, shape=shape)
         r, wall = way.legs[1].patch.radius, part.profile.thickness(face)
         reaches = [into for high in (True, False) for _, into in ending_in(faces[face], high, r)[1]]
         if reaches:
             into = max(reaches)
             diagnostics.append(rules.REACHES.at(of_face[0].source, face=face, into=f"{into:.2f}",
                                          found=f"{wall * into / r:.2f}"))  # fmt: skip
-    shapes = []
-    for one in faces.values():
-        leg, (x0, _, x1, _) = one.leg, one.shape.bounds
-        flat = one.shape.intersection(
-            box(x0, leg.patch.low - OVERLAP, x1, leg.patch.high + OVERLAP)
-        )
-
-        def on_leg(places: Floats, leg: SurfacePatch = leg) -> Floats:
-            return np.column_stack([places[:, 0], [leg.s(y) for y in places[:, 1].tolist()]])
-
-        shapes.append(transform(flat, on_leg))
+    shapes = [_flat(one) for one in faces.values()]
     for corner in way.legs[1::2]:
         shape, left, more = corner_of(part, faces, corner)
         diagnostics += more
@@ -143,13 +126,22 @@ def unrolled(
     return Unrolled(within(union_all(shapes), planes, way), tuple(points), slant), diagnostics
 
 
+def _flat(one: BoxFace) -> Shape:
+    """What of a face lies between its corners, on the surface."""
+    leg, (x0, _, x1, _) = one.leg, one.shape.bounds
+    flat = one.shape.intersection(box(x0, leg.patch.low - OVERLAP, x1, leg.patch.high + OVERLAP))
+
+    def on_leg(places: Floats) -> Floats:
+        return np.column_stack([places[:, 0], [leg.s(y) for y in places[:, 1].tolist()]])
+
+    return transform(flat, on_leg)
+
+
 def _face(
     part: Part, face: Face, own: Sequence[Cut], leg: SurfacePatch, diagnostics: list[Diagnostic],
     there: FaceEnds | None,
 ) -> BoxFace:  # fmt: skip
     """A face within its outlines; of a piece that comes cut it goes on beyond its ends."""
-    from shapely import box, union_all
-
     size = part.profile.face_width(face)
     wall = PlannedWall(face, size, 0.0, 0.0, size, ())
     mine = _outlines(face, own)
@@ -164,7 +156,7 @@ def _face(
     if shape.area > drawn.area + CHORD:
         diagnostics.append(rules.TANGENTS.at(mine[0].source, face=face))
     if there:
-        if (far := farthest_beyond(shape, there.lines)) > OUTLINE_NOISE:
+        if (far := beyond_ends(shape, there.lines)[1]) > OUTLINE_NOISE:
             diagnostics.append(rules.SHORT.at(mine[0].source, face=face, found=f"{far:.3g}"))
         shape = opened(shape, there.lines).intersection(strip)
     return BoxFace(leg, size, shape, True)
@@ -191,7 +183,7 @@ def face_ends(part: Part, features: Sequence[int], way: Around) -> dict[Face, Fa
     """Where a piece that comes cut ends on each of its faces, by some of its features."""
     own = [f for f in map(part.features.__getitem__, features) if isinstance(f, Cut)]
     faces = {face: _face(part, face, own, way.on_face(face), [], None) for face in FACES}
-    found: dict[Face, FaceEnds] = {}
+    ends: dict[Face, FaceEnds] = {}
     for face, one in faces.items():
         ys = np.linspace(0.0, one.size, PLACES)
         lines = []
@@ -201,7 +193,7 @@ def face_ends(part: Part, features: Sequence[int], way: Around) -> dict[Face, Fa
             other = 0.0 if side < 0 else part.length
             drawn = np.array([row[k] if len(row) else other for row in one.crossings(ys, False)])
             rows = [drawn, drawn] if plane is None else [*_traces(plane, part, face, ys)]
-            for own_plane in planes_of(part, features):
+            for own_plane in own_planes(part, features):
                 if own_plane.side == side:
                     traces = _traces(own_plane, part, face, ys)
                     rows = [side * np.minimum(side * a, side * b)
@@ -209,39 +201,29 @@ def face_ends(part: Part, features: Sequence[int], way: Around) -> dict[Face, Fa
             far = -BEYOND if side < 0 else part.length + BEYOND
             surfaces = tuple(np.broadcast_to(row, ys.shape) for row in rows)
             lines.append(EndLine(side, ys, surfaces, far))
-        found[face] = FaceEnds(
+        ends[face] = FaceEnds(
             (lines[0], lines[1]), any(c.face == face for c in _outlines(face, own))
         )
-    return found
+    return ends
 
 
-def _lines(faces: Mapping[Face, BoxFace], side: int) -> dict[Face, tuple[Floats, Floats]]:
-    """y and x along the end of each face that is drawn."""
-    lines: dict[Face, tuple[Floats, Floats]] = {}
-    for face, one in faces.items():
-        if one.drawn:
-            ys = np.linspace(2 * CHORD, one.size - 2 * CHORD, 9)
-            rows = one.crossings(ys, False)
-            if all(len(row) for row in rows):
-                lines[face] = ys, np.array([row[0] if side < 0 else row[-1] for row in rows])
-    return lines
-
-
-def _end(part: Part, faces: Mapping[Face, BoxFace], side: int) -> Plane | None:
+def _end(part: Part, faces: Mapping[Face, BoxFace], side: int) -> SectionEnd | None:
     """The plane of an end; None where its faces are drawn square or as no plane has them."""
     by_y, by_z = header_slopes(part, side)
-    lines = _lines(faces, side)
+    lines: dict[Face, tuple[Floats, Floats]] = {}  # y and x along each that is drawn
+    for face, one in faces.items():
+        ys = np.linspace(2 * CHORD, one.size - 2 * CHORD, 9)
+        rows = one.crossings(ys, False) if one.drawn else []
+        if rows and all(len(row) for row in rows):
+            lines[face] = ys, np.array([row[0] if side < 0 else row[-1] for row in rows])
     if not lines:
-        if not (by_y or by_z):
-            return None
-        reach = [by_y * y + by_z * z for y, z in corners(part.profile)]
-        return Plane(side, max(reach) if side < 0 else part.length + min(reach), by_y, by_z)
+        return plane_at(part, side, by_y, by_z) if by_y or by_z else None
     slopes = {face: (x[0] - x[-1]) / (y[-1] - y[0]) for face, (y, x) in lines.items()}
     by_y = by_y or next((slopes[f] for f in ("v", "h") if f in slopes), 0.0)
     by_z = by_z or next((slopes[f] for f in ("o", "u") if f in slopes), 0.0)
     if max(abs(by_y), abs(by_z)) <= tan(radians(SKEW_DEG)):
         return None
-    plane, best = Plane(side, 0.0, by_y, by_z), (MEET, 0.0)
+    plane, best = SectionEnd(side, 0.0, by_y, by_z), (MEET, 0.0)
     for farthest in (True, False):  # outlines show where the wall reaches farthest, or the outside
         at = []
         for face, (ys, xs) in lines.items():
@@ -252,22 +234,10 @@ def _end(part: Part, faces: Mapping[Face, BoxFace], side: int) -> Plane | None:
             at.append(off[side * off >= min(side * off[0], side * off[-1]) - SLOT])
         every = np.concatenate(at)
         best = min(best, (float(np.ptp(every)), float(np.median(every))))
-    return Plane(side, best[1], by_y, by_z) if best[0] < MEET else None
+    return SectionEnd(side, best[1], by_y, by_z) if best[0] < MEET else None
 
 
-def _denied(part: Part, faces: Mapping[Face, BoxFace], side: int) -> Iterator[Diagnostic]:
-    """An error where the header has an end skew and the outlines have it otherwise."""
-    if any(header_slopes(part, side)) and _end(part, faces, side) is None:
-        at: Literal["start", "end"] = "start" if side < 0 else "end"
-        kind: Literal["web", "flange"] = "web" if header_slopes(part, side)[0] else "flange"
-        angle = getattr(part.cuts, f"{kind}_{at}")
-        yield bar_rules.CUT_DENIED.at(
-            part.cut_source(kind, at), kind=kind, found=f"{angle:g}", end=at,
-            expected="another line",
-        )  # fmt: skip
-
-
-def _traces(plane: Plane, part: Part, face: Face, ys: Any) -> tuple[Any, Any]:
+def _traces(plane: SectionEnd, part: Part, face: Face, ys: Any) -> tuple[Any, Any]:
     """x of a plane on the outside of a wall, and on its inside."""
     p = part.profile
     thick = p.thickness(face)
@@ -278,10 +248,8 @@ def _traces(plane: Plane, part: Part, face: Face, ys: Any) -> tuple[Any, Any]:
     return plane.x(outside, ys), plane.x(inside, ys)
 
 
-def _beyond_ends(one: BoxFace, part: Part, ends: Sequence[Plane | None]) -> Shape:
+def _beyond_ends(one: BoxFace, part: Part, ends: Sequence[SectionEnd | None]) -> Shape:
     """A face that goes on beyond its ends where planes are to be cut."""
-    from shapely import transform
-
     face: Face = one.leg.patch.name
 
     def moved(places: Floats) -> Floats:

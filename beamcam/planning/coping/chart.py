@@ -19,7 +19,7 @@ class Chart:
             (row for row in coper.rows if is_row_for(row.material, self.material)),
             key=lambda row: row.up_to,
         )
-        self._coper, self._fallback = coper, coper.rows[0]
+        self.coper = coper
 
     @property
     def deepest(self) -> float:
@@ -29,15 +29,14 @@ class Chart:
     @property
     def cut_height(self) -> float:
         """The least height of the torch over the steel."""
-        return min((row.cut_height for row in self._rows), default=self._fallback.cut_height)
+        return min((row.cut_height for row in self._rows), default=self.coper.rows[0].cut_height)
 
     def row(self, thickness: float) -> TorchRow | None:
-        """The first row that is deep enough; between two, where the file interpolates, one that is
-        just as deep."""
+        """The first row that is deep enough; where the file interpolates, just as deep."""
         row = next((row for row in self._rows if thickness <= row.up_to + 1e-9), None)
         if row is None:
             return None
-        at = between_rows(self._coper, row, thickness)
+        at = between_rows(self.coper, row, thickness)
         return row if at.feed_mm_min == row.feed_mm_min else replace(at, up_to=thickness)
 
     def depth(self, thickness: float) -> float:
@@ -47,7 +46,7 @@ class Chart:
 
     def too_thick(self, thickness: float, face: Face, source: Source) -> Diagnostic:
         """The refusal of a wall that no row cuts through."""
-        known = ", ".join(sorted({row.material for row in self._coper.rows}))
+        known = ", ".join(sorted({row.material for row in self.coper.rows}))
         return rules.THICK.at(
             source, found=f"{thickness:.4g}", material=self.material or "steel", face=face,
             expected=f"at most {self.deepest:g} mm" if self._rows else f"what has rows: {known}",

@@ -9,22 +9,38 @@ root       ------x--             The part lies on the left of a path as its ring
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from math import cos, hypot, inf, pi
+from math import cos, dist, hypot, inf, pi
 from typing import Any, Literal
 
 from msgspec import Struct
+from shapely import (
+    LineString,
+    Polygon,
+    box,
+    get_coordinates,
+    get_parts,
+    get_rings,
+    is_ccw,
+    remove_repeated_points,
+    reverse,
+    union_all,
+)
+from shapely import Point as Place
 
+from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Point
 from beamcam.machine.coper import Coper
 from beamcam.machine.torch import TorchRow
-from beamcam.planning.coping.regions import Shape
+from beamcam.model.part import Face
+from beamcam.planning.coping import rules
+from beamcam.planning.coping.regions import Shape, WallRegion
 from beamcam.planning.coping.walls import EDGE, PlannedWall
 
 MITRE = 5.0  #: half kerfs from the end of a contour at which its path leaves a free edge, at most
 ROUND = 8  #: sides of a quarter of a path round a corner
 SHARE_OVER = 0.98  #: of half a kerf, by which a path is followed beyond a free edge
 LEADS = (1.0, 0.75, 0.5, 0.25, 0.0)  #: shares of the lead that are tried
-STARTS = 12  #: stretches of a closed path on which a start is looked for
+STARTS = 12  #: segments of a closed path on which a start is looked for
 #: Of half a kerf, how near a path comes that goes round a corner along chords: as at a peak of the
 #: end of a tube, which lies on the seam.
 CHORDS = cos(pi / (4 * ROUND))
@@ -73,21 +89,12 @@ class CutChain(Struct, frozen=True):
         return CutChain(self.points[::-1], self.end, self.start)
 
 
-class LeadPath(Struct, frozen=True):
-    """A path with its lead."""
-
-    path: tuple[Point, ...]
-    lead: int  #: stretches of the lead
-
-
 def paths_of(shape: Shape, half_kerf: float, wall: PlannedWall) -> Shape:
     """The region whose border a torch follows: round the part's corners at half a kerf.
 
     Where a contour ends at a free edge, or at the end of a piece, the path goes straight on beyond
     that edge.
     """
-    from shapely import Polygon, box, union_all
-
     round_corners = next(
         (found for sides in (ROUND, ROUND + 1, ROUND + 3)
          if (found := shape.buffer(half_kerf, sides)).is_valid),
@@ -112,10 +119,8 @@ def paths_of(shape: Shape, half_kerf: float, wall: PlannedWall) -> Shape:
 
 
 def rings_of(shape: Shape) -> Any:
-    """The rings of a region, of shapely, with the region on their left, each without repeating a
-    place."""
+    """The rings of a region, of shapely, each once round with the region on its left."""
     import numpy as np
-    from shapely import get_parts, get_rings, is_ccw, remove_repeated_points, reverse
 
     polygons = get_parts(remove_repeated_points(shape, SAME_PLACE))
     rings, polygon = get_rings(polygons, return_index=True)
@@ -124,9 +129,8 @@ def rings_of(shape: Shape) -> Any:
 
 
 def chains_of(shape: Shape, borders: Sequence[CutBorder]) -> Iterator[CutChain]:
-    """The stretches of a region's rings within borders; whole rings where they lie so."""
+    """The segments of a region's rings within borders; whole rings where they lie so."""
     import numpy as np
-    from shapely import get_coordinates
 
     places, ring = get_coordinates(rings_of(shape), return_index=True)
     nx, ny, limits = np.array([(one.nx, one.ny, one.limit) for one in borders]).T
@@ -196,173 +200,166 @@ def _within(
     return p, q, entered.name if entered else "", left.name if left else ""
 
 
-def led(
-    chain: CutChain, wall: PlannedWall, shape: Shape, row: TorchRow, coper: Coper
-) -> LeadPath | None:
-    """A chain with its lead; None if there is no room for one in scrap.
-
-    It begins at a free edge where it has one, that away from the root if both are free; at the
-    other where it runs along the first. Edges of a flange with a lip are round: it ends there.
-    """
-    if not chain.start:
-        return _closed(chain, wall, shape, row, coper)
-    free = {
-        "low": wall.low == -inf, "high": wall.high == inf, "near": True, "far": True,
-        "bevel": False,
-    }  # fmt: skip
-    nearer = chain.start == "low" and len(wall.roots) == 1
-    turns = free[chain.end] and (not free[chain.start] or nearer)
-    if wall.lip and free[chain.start] != free[chain.end]:
-        turns = free[chain.start]
-    if turns:
-        chain = chain.reversed()
-    led = _from_edge(chain, wall, shape, row, coper) if free[chain.start] else None
-    if led is None and free[chain.start] and free[chain.end]:
-        chain = chain.reversed()
-        led = _from_edge(chain, wall, shape, row, coper)
-    if led is None and not (free[chain.start] or free[chain.end]):
-        ways = (_from_root(one, wall, shape, row, coper) for one in (chain, chain.reversed()))
-        led = next(filter(None, ways), None)
-    elif led is None and not free[chain.start]:
-        led = _from_root(chain, wall, shape, row, coper)
-    if led is not None and free[chain.end]:
-        (xa, ya), (xb, yb) = led.path[-2:]
-        longer = coper.over / (hypot(xb - xa, yb - ya) or 1.0)
-        beyond = xb + (xb - xa) * longer, yb + (yb - ya) * longer
-        led = LeadPath((*led.path[:-1], beyond), led.lead)
-    return led
+Path = tuple[Point, ...]  #: its first segment is the lead
 
 
-def in_two(
-    chain: CutChain, wall: PlannedWall, shape: Shape, row: TorchRow, coper: Coper
-) -> list[LeadPath]:
-    """Two ways from the middle of a chain to both its ends at roots, where a lead has no room; none
-    where there is no scrap beside a long stretch either. They lap."""
-    if {chain.start, chain.end} - {"low", "high"} or inf in (-wall.low, wall.high):
-        return []
-    beside, own = 2 * row.pierce_radius, chain.points
-    stretches = sorted(range(len(own) - 1), key=lambda k: -_length(own[k], own[k + 1]))
-    for k in stretches[:STARTS]:
-        a, b = own[k], own[k + 1]
-        if (long := _length(a, b)) <= 2 * beside:
-            break
-        ways, out = [], _right_of(a, b)
-        for side, rest in ((-1.0, own[k + 1 :]), (1.0, own[k::-1])):
-            share = 0.5 + side * beside / long / 2
-            begin = a[0] + (b[0] - a[0]) * share, a[1] + (b[1] - a[1]) * share
-            pierce = _pierce(begin, out, wall, shape, row, coper)
-            if pierce is not None and wall.holds(pierce):
-                ways.append(LeadPath((pierce, begin, *rest), 1))
-        if len(ways) == 2:
-            return ways
-    return []
+class Leads:
+    """Leads of the paths round a region, from scrap that the torch comes to."""
 
+    def __init__(self, region: WallRegion, row: TorchRow, coper: Coper) -> None:
+        self._wall, self._shape, self._row, self._coper = region.wall, region.shape, row, coper
 
-def _closed(
-    chain: CutChain, wall: PlannedWall, shape: Shape, row: TorchRow, coper: Coper
-) -> LeadPath | None:
-    """A whole ring from the middle of a long stretch, pierced square to it."""
-    ring = chain.points[:-1]
-    stretches = sorted(range(len(ring)), key=lambda k: -_length(ring[k], ring[(k + 1) % len(ring)]))
-    for k in stretches[:STARTS]:
-        a, b = ring[k], ring[(k + 1) % len(ring)]
-        middle = (a[0] + b[0]) / 2, (a[1] + b[1]) / 2
-        pierce = _pierce(middle, _right_of(a, b), wall, shape, row, coper)
-        if pierce is not None:
-            return LeadPath((pierce, middle, *ring[k + 1 :], *ring[: k + 1], middle), 1)
-    return None
+    def path(self, chain: CutChain) -> Path | None:
+        """A chain with its lead; None if there is no room for one in scrap.
 
-
-def _from_root(
-    chain: CutChain, wall: PlannedWall, shape: Shape, row: TorchRow, coper: Coper
-) -> LeadPath | None:
-    """A path that begins over the web, pierced along it beside its start."""
-    start = chain.points[0]
-    for side in (1.0, -1.0):
-        beside = start[0] + side * row.kerf / 4, start[1]
-        if shape.distance(_place(beside)) > shape.distance(_place(start)):
-            pierce = _pierce(start, (side, 0.0), wall, shape, row, coper)
-            return None if pierce is None else LeadPath((pierce, *chain.points), 1)
-    return None
-
-
-def _pierce(
-    start: Point, way: Point, wall: PlannedWall, shape: Shape, row: TorchRow, coper: Coper
-) -> Point | None:
-    """Where a path is pierced: the farthest place on a way off it that is clear of the part.
-
-    Nor is it over a hole, where no arc starts.
-    """
-    least = row.pierce_radius - row.kerf / 2
-    nearest = CHORDS * row.kerf / 2 - SLACK
-    for share in LEADS:
-        length = least + share * (coper.lead - least) + EDGE
-        pierce = start[0] + way[0] * length, start[1] + way[1] * length
-        if (
-            shape.distance(_place(pierce)) >= row.pierce_radius
-            and shape.distance(_line(pierce, start)) >= nearest
-            and (wall.open is None or not wall.open.dwithin(_line(pierce, start), row.kerf / 2))
-        ):
-            return pierce
-    return None
-
-
-def _from_edge(
-    chain: CutChain, wall: PlannedWall, shape: Shape, row: TorchRow, coper: Coper
-) -> LeadPath | None:
-    """A path that begins on the edge of the scrap and goes along that edge to the contour.
-
-    It meets the contour's path just beyond the edge, so that no wedge is left in the corner.
-    """
-    half_kerf = row.kerf / 2
-    edge = _edge_of(chain.start, wall)
-    first = chain.points[0]
-    crossing = next(
-        (k for k in pairwise(chain.points) if edge.beyond(k[0]) * edge.beyond(k[1]) <= 0.0), None
-    )
-    if crossing is None:  # a path that leaves the wall at once
+        It begins at a free edge where it has one, that away from the root if both are free; at the
+        other where it runs along the first. Edges of a flange with a lip are round: it ends there.
+        """
+        wall = self._wall
+        if not chain.start:
+            return self._closed(chain)
+        free = {
+            "low": wall.low == -inf, "high": wall.high == inf, "near": True, "far": True,
+            "bevel": False,
+        }  # fmt: skip
+        nearer = chain.start == "low" and len(wall.roots) == 1
+        turns = free[chain.end] and (not free[chain.start] or nearer)
+        if wall.lip and free[chain.start] != free[chain.end]:
+            turns = free[chain.start]
+        both = (chain.reversed(), chain) if turns else (chain, chain.reversed())
+        begins, ends = (free[one.start] for one in both)
+        tried = [self._from_edge] if begins else [self._from_root]
+        if begins == ends:
+            tried = [tried[0], tried[0]]
+        for chain, way in zip(both, tried, strict=False):
+            if (path := way(chain)) is not None:
+                return gone_on(path, self._coper.over) if free[chain.end] else path
         return None
-    a, b = crossing
-    begin, end = edge.beyond(a), edge.beyond(b)
-    share = begin / (begin - end) if begin != end else 0.0
-    x, y = a[0] + (b[0] - a[0]) * share, a[1] + (b[1] - a[1]) * share
-    for part_of in LEADS[:-1]:
+
+    def in_two(self, chain: CutChain) -> list[Path]:
+        """Two ways from the middle of a chain to both its ends at roots, where a lead has no room;
+        none where there is no scrap beside a long segment either. They lap."""
+        wall, beside, own = self._wall, 2 * self._row.pierce_radius, chain.points
+        if {chain.start, chain.end} - {"low", "high"} or inf in (-wall.low, wall.high):
+            return []
+        for k in _longest_first(own):
+            a, b = own[k], own[k + 1]
+            if (long := dist(a, b)) <= 2 * beside:
+                break
+            ways: list[Path] = []
+            for side, rest in ((-1.0, own[k + 1 :]), (1.0, own[k::-1])):
+                share = 0.5 + side * beside / long / 2
+                begin = a[0] + (b[0] - a[0]) * share, a[1] + (b[1] - a[1]) * share
+                pierce = self._pierce(begin, _right_of(a, b))
+                if pierce is not None and wall.holds(pierce):
+                    ways.append((pierce, begin, *rest))
+            if len(ways) == 2:
+                return ways
+        return []
+
+    def _closed(self, chain: CutChain) -> Path | None:
+        """A whole ring from the middle of a long segment, pierced square to it."""
+        ring = chain.points[:-1]
+        for k in _longest_first(chain.points):
+            a, b = chain.points[k], chain.points[k + 1]
+            middle = (a[0] + b[0]) / 2, (a[1] + b[1]) / 2
+            pierce = self._pierce(middle, _right_of(a, b))
+            if pierce is not None:
+                return (pierce, middle, *ring[k + 1 :], *ring[: k + 1], middle)
+        return None
+
+    def _from_root(self, chain: CutChain) -> Path | None:
+        """A path that begins over the web, pierced along it beside its start."""
+        (x, y), shape = chain.points[0], self._shape
         for side in (1.0, -1.0):
-            way = side * part_of * coper.lead
-            start = x + way * edge.ny, y - way * edge.nx
-            if edge.nx == 0.0:
-                start = x + way, edge.limit * edge.ny
-            if (
-                (wall.ends is None or wall.holds(start))
-                and shape.distance(_line(start, first)) >= CHORDS * half_kerf - SLACK
-                and shape.distance(_place(start)) >= row.pierce_radius
-                and (wall.open is None or not wall.open.dwithin(_line(start, first), half_kerf))
-            ):
-                return LeadPath((start, *chain.points), 1)
-    return None
+            beside = Place(x + side * self._row.kerf / 4, y)
+            if shape.distance(beside) > shape.distance(Place(x, y)):
+                pierce = self._pierce((x, y), (side, 0.0))
+                return None if pierce is None else (pierce, *chain.points)
+        return None
+
+    def _pierce(self, start: Point, way: Point) -> Point | None:
+        """Where a path is pierced: the farthest place on a way off it that is clear of the part."""
+        least = self._row.pierce_radius - self._row.kerf / 2
+        for share in LEADS:
+            length = least + share * (self._coper.lead - least) + EDGE
+            pierce = start[0] + way[0] * length, start[1] + way[1] * length
+            if is_clear(pierce, start, self._shape, self._row, self._wall.open):
+                return pierce
+        return None
+
+    def _from_edge(self, chain: CutChain) -> Path | None:
+        """A path that begins on the edge of the scrap and goes along that edge to the contour.
+
+        It meets the contour's path just beyond the edge, so that no wedge is left in the corner.
+        """
+        wall, borders = self._wall, borders_of(self._wall, 0.0, self._wall.width, 0.0)
+        edge = next(b for b in borders if b.name == chain.start)
+        first = chain.points[0]
+        crossing = next(
+            (k for k in pairwise(chain.points) if edge.beyond(k[0]) * edge.beyond(k[1]) <= 0.0),
+            None,
+        )
+        if crossing is None:  # a path that leaves the wall at once
+            return None
+        a, b = crossing
+        begin, end = edge.beyond(a), edge.beyond(b)
+        share = begin / (begin - end) if begin != end else 0.0
+        x, y = a[0] + (b[0] - a[0]) * share, a[1] + (b[1] - a[1]) * share
+        for part_of in LEADS[:-1]:
+            for side in (1.0, -1.0):
+                way = side * part_of * self._coper.lead
+                start = x + way * edge.ny, y - way * edge.nx
+                if edge.nx == 0.0:
+                    start = x + way, edge.limit * edge.ny
+                holds = wall.ends is None or wall.holds(start)
+                if holds and is_clear(start, first, self._shape, self._row, wall.open):
+                    return (start, *chain.points)
+        return None
 
 
-def _edge_of(name: End, wall: PlannedWall) -> CutBorder:
-    """The edge of a wall, or the end of a piece, at which a path begins."""
-    return next(b for b in borders_of(wall, 0.0, wall.width, 0.0) if b.name == name)
+def is_clear(start: Point, first: Point, shape: Shape, row: TorchRow, holes: Shape | None) -> bool:
+    """Whether a lead from a start to the first place of a path, and what piercing burns, are clear
+    of the part, and not over a hole that is there, where no arc starts."""
+    lead, half = LineString((start, first)), row.kerf / 2
+    return bool(
+        shape.distance(Place(start)) >= row.pierce_radius
+        and shape.distance(lead) >= CHORDS * half - SLACK
+        and (holes is None or not holes.dwithin(lead, half))
+    )
 
 
-def _length(a: Point, b: Point) -> float:
-    return hypot(b[0] - a[0], b[1] - a[1])
+def gone_on(path: Sequence[Point], over: float) -> Path:
+    """A path that goes straight on beyond its end."""
+    (xa, ya), (xb, yb) = path[-2:]
+    longer = over / (dist((xa, ya), (xb, yb)) or 1.0)
+    return (*path[:-1], (xb + (xb - xa) * longer, yb + (yb - ya) * longer))
+
+
+def no_room(source: Source, face: Face, at: Point, row: TorchRow) -> Diagnostic:
+    """The error that a path from a place on has no room for its lead."""
+    return rules.NARROW.at(
+        source, what="no room to pierce", x=f"{at[0]:g}", y=f"{at[1]:g}", face=face,
+        expected=f"scrap {2 * row.pierce_radius:g} mm wide beside the contour",
+    )  # fmt: skip
+
+
+def over_hole(
+    wall: PlannedWall, path: Sequence[Point], row: TorchRow, face: Face, source: Source,
+    turn: float = inf,
+) -> Iterator[Diagnostic]:  # fmt: skip
+    """A warning where a path goes over a hole for more than a kerf; a tube has a `turn`."""
+    over = None if wall.open is None else wall.open.intersection(LineString(path))
+    if over is not None and over.length > row.kerf:
+        x, y = over.centroid.x, over.centroid.y % turn
+        yield rules.OPEN.at(source, x=f"{x:.1f}", y=f"{y:.1f}", face=face)
+
+
+def _longest_first(points: Sequence[Point]) -> list[int]:
+    """Some segments of a path, the longest first."""
+    return sorted(range(len(points) - 1), key=lambda k: -dist(points[k], points[k + 1]))[:STARTS]
 
 
 def _right_of(a: Point, b: Point) -> Point:
-    size = _length(a, b) or 1.0
+    size = dist(a, b) or 1.0
     return (b[1] - a[1]) / size, (a[0] - b[0]) / size
-
-
-def _place(point: Point) -> Any:
-    from shapely import Point as Place
-
-    return Place(point)
-
-
-def _line(a: Point, b: Point) -> Any:
-    from shapely import LineString
-
-    return LineString((a, b))

@@ -15,6 +15,7 @@ from itertools import pairwise
 from math import acos, atan2, ceil, cos, degrees, dist, pi, radians, tan
 
 from msgspec import Struct
+from shapely import Polygon, make_valid
 
 from beamcam.geometry.curves import Arc, Curve, Line, Point, signed_area
 from beamcam.machine.coper import torch_angles, torch_way
@@ -87,25 +88,24 @@ class BevelEdge(Struct, frozen=True):
     def rulings(self, offs: Sequence[float], deep: float = 0.0) -> list[Ruling]:
         """Places along the edge, such that lines so far inside of it have chords within CHORD, and
         so has what a torch sweeps between them that is `deep` mm long."""
-        found: list[Ruling] = []
+        rulings: list[Ruling] = []
         for curve in self.curves:
             count = 1
             if isinstance(curve, Arc):
-                way = 1.0 if curve.sweep_deg > 0.0 else -1.0
-                most = max(abs(curve.radius - way * off) for off in (0.0, *offs))
+                most = max(abs(_radius(curve, off)) for off in (0.0, *offs))
                 step = degrees(2 * acos(1 - CHORD / most)) if most > CHORD else 90.0
                 count = ceil(abs(curve.sweep_deg) / min(step, 15.0))
             for k in range(count + 1):
                 dx, dy = curve.tangent(k / count)
                 one = Ruling(curve.point(k / count), (-dy, dx))
-                if found and dist(found[-1].place, one.place) <= SAME_PLACE:
-                    found[-1] = found[-1].joined(one)
+                if rulings and dist(rulings[-1].place, one.place) <= SAME_PLACE:
+                    rulings[-1] = rulings[-1].joined(one)
                 else:
-                    found.append(one)
+                    rulings.append(one)
         if self.is_ring:
-            found[0] = found[-1] = found[-1].joined(found[0])
-        steady = [found[0]]
-        for one in found[1:]:
+            rulings[0] = rulings[-1] = rulings[-1].joined(rulings[0])
+        steady = [rulings[0]]
+        for one in rulings[1:]:
             steady += self._between(steady[-1], one, deep)
         return steady
 
@@ -132,13 +132,10 @@ class BevelEdge(Struct, frozen=True):
         return [*self._between(a, middle, deep), *self._between(middle, b, deep)]
 
     def fits(self, offs: Sequence[float], least: float) -> bool:
-        """Whether arcs keep so much radius at all lines so far inside, and straight edges of a
-        curve some length."""
-        for curve in self.curves:
-            if isinstance(curve, Arc):
-                way = 1.0 if curve.sweep_deg > 0.0 else -1.0
-                if any(curve.radius - way * off < least for off in offs):
-                    return False
+        """Whether all lines so far inside keep a least radius, and some length."""
+        arcs = [curve for curve in self.curves if isinstance(curve, Arc)]
+        if any(_radius(arc, off) < least for arc in arcs for off in offs):
+            return False
         ends = self.rulings(())
         for a, b in pairwise(ends):
             dx, dy = b.place[0] - a.place[0], b.place[1] - a.place[1]
@@ -150,8 +147,6 @@ class BevelEdge(Struct, frozen=True):
 
     def strip(self, depth: float) -> Shape:
         """What the bevel takes of the wall, so far below its surface."""
-        from shapely import Polygon, make_valid
-
         wide = max(0.0, self.beside(depth))
         if not wide:
             return Polygon()
@@ -176,7 +171,7 @@ class BevelEdge(Struct, frozen=True):
         return [start, *line[1:-1], end] if len(line) == 2 else [start, *line, end]
 
 
-class _Stretch(Struct, frozen=True):
+class _Segment(Struct, frozen=True):
     """A line or an arc of a contour with its bevels, or one of some that stand for its curve."""
 
     curve: Line | Arc
@@ -185,9 +180,8 @@ class _Stretch(Struct, frozen=True):
 
 
 def bevel_edges(contour: Contour, wall: PlannedWall, least: float) -> Iterator[BevelEdge]:
-    """The bevelled edges of a contour, bevels below `least` left out; other curves than lines and
-    arcs as arcs."""
-    drawn = _stretches(contour, wall, least)
+    """The edges of a contour with bevels of `least` degrees, as lines and arcs."""
+    drawn = _segments(contour, wall, least)
     for lower in (False, True):
         own = [next((b for b in one.bevels if (b.angle < 0.0) == lower), None) for one in drawn]
         joins = [_goes_on(k, drawn, own) for k in range(len(drawn))]  # with the one before
@@ -214,7 +208,7 @@ def bevel_edges(contour: Contour, wall: PlannedWall, least: float) -> Iterator[B
             )  # fmt: skip
 
 
-def _stretches(contour: Contour, wall: PlannedWall, least: float) -> list[_Stretch]:
+def _segments(contour: Contour, wall: PlannedWall, least: float) -> list[_Segment]:
     """Lines and arcs of a contour with the steel on their left, on their wall."""
     curves: list[Curve] = []
     there: list[tuple[Bevel, ...]] = []
@@ -225,21 +219,21 @@ def _stretches(contour: Contour, wall: PlannedWall, least: float) -> list[_Stret
     if (signed_area(tuple(curves)) > 0.0) != (contour.kind == "outer"):  # the steel on the left
         curves = [curve.reversed() for curve in reversed(curves)]
         there = there[::-1]
-    found: list[_Stretch] = []
+    segments: list[_Segment] = []
     for curve, bevels in zip(curves, there, strict=True):
-        for j, one in enumerate(_fitted(curve)):
-            found.append(_Stretch(_on_wall(one, wall), bevels, j == 0))
-    return found
+        pieces: list[Line | Arc] = [curve] if isinstance(curve, Line | Arc) else []
+        if not isinstance(curve, Line | Arc):
+            from beamcam.geometry.arc_fitting import fit_chains
+
+            (chain,) = fit_chains([[curve]], FITTED)
+            pieces = [one for one in chain if one.length > SAME_PLACE]
+        segments += [_Segment(_on_wall(one, wall), bevels, j == 0) for j, one in enumerate(pieces)]
+    return segments
 
 
-def _fitted(curve: Curve) -> tuple[Line | Arc, ...]:
-    """A curve as lines and arcs."""
-    if isinstance(curve, Line | Arc):
-        return (curve,)
-    from beamcam.geometry.arc_fitting import fit_chains
-
-    (chain,) = fit_chains([[curve]], FITTED)
-    return tuple(one for one in chain if one.length > SAME_PLACE)
+def _radius(arc: Arc, off: float) -> float:
+    """The radius of a line so far inside of an arc."""
+    return arc.radius - (off if arc.sweep_deg > 0.0 else -off)
 
 
 def _turn(before: Point, after: Point) -> float:
@@ -248,7 +242,7 @@ def _turn(before: Point, after: Point) -> float:
     return atan2(ax * by - ay * bx, ax * bx + ay * by)
 
 
-def _goes_on(k: int, drawn: Sequence[_Stretch], bevels: Sequence[Bevel | None]) -> bool:
+def _goes_on(k: int, drawn: Sequence[_Segment], bevels: Sequence[Bevel | None]) -> bool:
     """Whether a curve has the bevel of the one before, and goes on from it without a corner."""
     a, b = bevels[k - 1], bevels[k]
     if a is None or b is None or abs(a.angle - b.angle) > ALIKE or abs(a.land - b.land) > ALIKE:
@@ -279,5 +273,5 @@ def is_rolled(curve: Curve, wall: PlannedWall) -> bool:
 
 
 def ways_of(path: Sequence[Point]) -> Iterator[tuple[Point, Point]]:
-    """The stretches of a path that have a length."""
+    """The segments of a path that have a length."""
     return ((a, b) for a, b in pairwise(path) if dist(a, b) > SAME_PLACE)

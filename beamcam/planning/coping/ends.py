@@ -18,6 +18,7 @@ from typing import Any, Literal
 
 from msgspec import Struct
 from msgspec.structs import replace
+from shapely import Polygon
 
 from beamcam.errors import Diagnostic
 from beamcam.geometry.curves import Line, Point
@@ -39,12 +40,12 @@ Pair = tuple[bool, bool]
 class SectionEnd(Struct, frozen=True):
     """The plane of one end in the section's axes."""
 
-    side: float  #: -1 at the start, 1 at the end
+    side: int  #: -1 at the start, 1 at the end
     at: float  #: x at y 0, z 0
     by_y: float
     by_z: float
 
-    def x(self, y: float, z: float) -> float:
+    def x(self, y: Any, z: Any) -> Any:
         return self.at - self.by_y * y - self.by_z * z
 
     @property
@@ -53,21 +54,21 @@ class SectionEnd(Struct, frozen=True):
 
     def farthest(self, ys: Sequence[float], zs: Sequence[float]) -> float:
         """The outermost x over some places."""
-        return self.side * max(self.side * self.x(y, z) for y in ys for z in zs)
+        return float(self.side * max(self.side * self.x(y, z) for y in ys for z in zs))
+
+
+def plane_at(part: Part, side: int, by_y: float, by_z: float) -> SectionEnd:
+    """The plane of an end of a part as it lies, through its outermost corner at x 0 or L."""
+    leans = [side * (y * by_y + z * by_z) for y, z in _corners(part)]
+    at = (0.0 if side < 0 else part.length) + side * min(leans)
+    return SectionEnd(side, at, by_y, by_z)
 
 
 def planes_of(part: Part) -> tuple[SectionEnd, SectionEnd]:
-    """The start and the end of a part as it lies, each through its outermost corner at x 0 or L."""
-    cuts, outermost = part.cuts, _corners(part)
-    planes = []
-    for side, web_deg, flange_deg in (
-        (-1.0, cuts.web_start, cuts.flange_start), (1.0, cuts.web_end, cuts.flange_end)
-    ):  # fmt: skip
-        by_y, by_z = tan(radians(web_deg)), tan(radians(flange_deg))
-        leans = [side * (y * by_y + z * by_z) for y, z in outermost]
-        at = (0.0 if side < 0.0 else part.length) + side * min(leans)
-        planes.append(SectionEnd(side, at, by_y, by_z))
-    return planes[0], planes[1]
+    """The start and the end of a part as it lies by its header."""
+    cuts = part.cuts
+    start = plane_at(part, -1, tan(radians(cuts.web_start)), tan(radians(cuts.flange_start)))
+    return start, plane_at(part, 1, tan(radians(cuts.web_end)), tan(radians(cuts.flange_end)))
 
 
 def _corners(part: Part) -> Sequence[Point]:
@@ -97,41 +98,33 @@ def outermost(part: Part) -> Iterator[tuple[float, float, float]]:
 def ends_on(face: Face, part: Part) -> tuple[EndLine, EndLine]:
     """Where a wall ends, at its outermost."""
     start, end = planes_of(part)
-    return _outermost(start, face, part), _outermost(end, face, part)
+    return _on_wall(start, face, part), _on_wall(end, face, part)
 
 
-def _outermost(plane: SectionEnd, face: Face, part: Part) -> EndLine:
-    web, profile = part.profile.web_thickness or 0.0, part.profile
-    back = web_back(profile)
+def _on_wall(plane: SectionEnd, face: Face, part: Part, is_tilted: bool = False) -> EndLine:
+    """Where a plane ends a wall at its outermost, or meets the surface that the torch looks at as
+    it is tilted to lie in the plane."""
+    profile, back = part.profile, web_back(part.profile)
     edge = profile.height - profile.flange_thickness if face == "o" else 0.0
     slope, across = (plane.by_y, plane.by_z) if face == "v" else (plane.by_z, plane.by_y)
-    near, thick = (back, web) if face == "v" else (edge, profile.flange_thickness)
-    surfaces = [plane.at - across * (near + k * thick) for k in (0.0, 1.0)]
-    at = min(surfaces) if plane.side < 0.0 else max(surfaces)
-    return EndLine(at, -slope, abs(across) * thick)
-
-
-def _tilted(plane: SectionEnd, face: Face, part: Part) -> EndLine:
-    """Where a plane meets the surface that the torch looks at, and the tilt that lies in it."""
-    web, profile = part.profile.web_thickness or 0.0, part.profile
-    line = _outermost(plane, face, part)
-    if face == "v":
-        front = web + web_back(profile)
-        return replace(line, at=plane.x(0.0, front), b_deg=-degrees(atan(plane.by_z)))
-    if face == "o":
-        return replace(line, at=plane.x(profile.height, 0.0), b_deg=-degrees(atan(plane.by_y)))
-    return replace(line, at=plane.x(0.0, 0.0), b_deg=degrees(atan(plane.by_y)))
+    thick = profile.web_thickness or 0.0 if face == "v" else profile.flange_thickness
+    low = back if face == "v" else edge
+    surfaces = [plane.at - across * (low + k * thick) for k in (0.0, 1.0)]
+    outermost = min(surfaces) if plane.side < 0 else max(surfaces)
+    line = EndLine(outermost, -slope, abs(across) * thick)
+    if not is_tilted:
+        return line
+    b_deg = degrees(atan(across)) if face == "u" else -degrees(atan(across))
+    return replace(line, at=surfaces[0 if face == "u" else 1], b_deg=b_deg)
 
 
 def with_skew(wall: PlannedWall, part: Part, tilts: Pair) -> PlannedWall:
     """A wall of a bar with its skew ends; `tilts` says at which of them the torch is tilted."""
-    lines = [
-        None if not plane.is_skew
-        else _tilted(plane, wall.face, part) if tilt
-        else _outermost(plane, wall.face, part)
+    start, end = (
+        _on_wall(plane, wall.face, part, tilt) if plane.is_skew else None
         for plane, tilt in zip(planes_of(part), tilts, strict=True)
-    ]  # fmt: skip
-    return replace(wall, skew=(lines[0], lines[1]))
+    )
+    return replace(wall, skew=(start, end))
 
 
 def agreed_ends(part: Part) -> tuple[Part, list[Diagnostic]]:
@@ -143,7 +136,7 @@ def agreed_ends(part: Part) -> tuple[Part, list[Diagnostic]]:
     """
     planes = planes_of(part)
     diagnostics: list[Diagnostic] = []
-    found: dict[str, float] = {}
+    angles: dict[str, float] = {}
     kinds: tuple[tuple[Literal["web", "flange"], tuple[Face, ...]], ...] = (
         ("web", ("v", "h")), ("flange", ("u",) if part.profile.code in ("L", "T") else ("o", "u"))
     )  # fmt: skip
@@ -161,17 +154,20 @@ def agreed_ends(part: Part) -> tuple[Part, list[Diagnostic]]:
                     diagnostics.append(bar_rules.CUT_FROM_CONTOUR.at(
                         source, kind=kind, found=f"{angle:.3f}", end=at))  # fmt: skip
             else:
-                reaching = [
-                    _leaning(side) for face, side in sides
-                    if not _is_within(side, planes[k], face, part)
-                ]  # fmt: skip
-                denied = [one for one in reaching if abs(one - angle) > NOISE_DEG]
+                denied = []
+                for face, side in sides:
+                    end = _on_wall(planes[k], "v" if face == "h" else face, part)
+                    is_within = all(  # on the steel's side of the end, clear of it
+                        planes[k].side * (end.x(y) - x) > OUTLINE_NOISE + end.play for x, y in side
+                    )
+                    if not is_within and abs(_leaning(side) - angle) > NOISE_DEG:
+                        denied.append(_leaning(side))
                 if denied:
                     diagnostics.append(bar_rules.CUT_DENIED.at(
                         source, kind=kind, found=f"{angle:g}", end=at,
                         expected=f"{denied[0]:.3f}"))  # fmt: skip
-            found[f"{kind}_{at}"] = angle
-    return replace(part, cuts=EndCuts(**found)), diagnostics
+            angles[f"{kind}_{at}"] = angle
+    return replace(part, cuts=EndCuts(**angles)), diagnostics
 
 
 Side = tuple[Point, Point]  #: of an outline, from the lower edge of its face to the upper one
@@ -183,15 +179,8 @@ def _leaning(side: Side) -> float:
     return degrees(atan((xa - xb) / (yb - ya)))
 
 
-def _is_within(side: Side, plane: SectionEnd, face: Face, part: Part) -> bool:
-    """Whether a side lies on the steel's side of an end, clear of it."""
-    end = _outermost(plane, "v" if face == "h" else face, part)
-    return all(plane.side * (end.x(y) - x) > OUTLINE_NOISE + end.play for x, y in side)
-
-
 def _drawn(part: Part, face: Face) -> list[Any]:
-    """The sides of a face's outline that go from edge to edge, at start and end; None without
-    one."""
+    """The sides of a face's outline from edge to edge, at start and end; or None."""
     wide = part.profile.face_width(face)
     sides: list[Side | None] = [None, None]
     for contour in part.contours:
@@ -223,8 +212,7 @@ def crossed(wall: PlannedWall, length: float) -> bool:
 
 
 def edges_at(region: WallRegion, k: int) -> Iterator[tuple[tuple[float, float], ...]]:
-    """The stretches of a wall's edge, from one side of what is cut to the other, that lie on an end
-    at least in part."""
+    """The segments of a wall's edge between its sides that lie on an end in part."""
     wall, line = region.wall, region.wall.skew[k]
     if line is None:
         return
@@ -273,7 +261,7 @@ def squared(
 
     `depth` is that to which a pass through a root cuts.
     """
-    found, plane = dict(regions), planes_of(part)[k]
+    walls, plane = dict(regions), planes_of(part)[k]
     lines = {face: region.wall.skew[k] for face, region in regions.items()}
     there = {face: [*edges_at(region, k)] for face, region in regions.items()}
     off = {face: line.play for face, line in lines.items() if line is not None and there[face]}
@@ -282,7 +270,7 @@ def squared(
             continue
         line, web_line = lines[face], lines["v"]
         if line is not None and there[face] and regions[face].wall.lip:
-            found[face], mm = _as_long_as_lip(found[face], line, part.profile, plane)
+            walls[face], mm = _as_long_as_lip(walls[face], line, part.profile, plane)
             off[face] = max(off[face], mm)
         if line is None or web_line is None or not (there[face] and there["v"]):
             continue
@@ -293,9 +281,9 @@ def squared(
         x = plane.farthest(ys, zs)
         for one, edge, band in ((face, line, zs), ("v", web_line, ys)):
             more = stepped(edge, band, x, plane.side, regions[one].wall.width)
-            found[one] = replace(found[one], shape=found[one].shape.union(more))
+            walls[one] = replace(walls[one], shape=walls[one].shape.union(more))
             off[one] = max(off[one], *(abs(x - edge.x(y)) for y in band))
-    return found, off
+    return walls, off
 
 
 def _as_long_as_lip(
@@ -319,8 +307,6 @@ def stepped(line: EndLine, band: tuple[float, float], x: float, side: float, wid
 
     Off the band it goes on until it meets the line where that is steep and reaches farther.
     """
-    from shapely import Polygon
-
     ys = list(band)
     for j, (y, edge, way) in enumerate(zip(band, (0.0, wide), (-1.0, 1.0), strict=True)):
         if abs(y - edge) <= EDGE:

@@ -9,6 +9,9 @@ from math import cos, dist, hypot, inf, radians, sin
 from typing import Literal
 
 from msgspec.structs import replace
+from shapely import LineString, Polygon, box, union_all
+from shapely import Point as Place
+from shapely.affinity import affine_transform, translate
 
 from beamcam.geometry.curves import Point
 from beamcam.machine.coper import A_OF_FACE, Coper, torch_angles, torch_way
@@ -130,9 +133,6 @@ class Passes:
 
     def square_beside(self, edge: BevelEdge) -> CopeCut | None:
         """The square cut that goes along an edge; None where there is none."""
-        from shapely import LineString
-        from shapely import Point as Place
-
         own = [curve for curve in edge.curves if not is_rolled(curve, self._wall)]
         middles = [Place(curve.point(share)) for curve in own for share in (0.3, 0.5, 0.7)]
         for cut in self._cuts if middles else ():
@@ -161,8 +161,7 @@ class Passes:
         return beside.kind
 
     def _look_at_room(self, cut: CopeCut, turns: Turns, over: float) -> None:
-        """Raises NoPass where the tilted torch does not come to an edge: beyond the axes, or not
-        clear of other walls."""
+        """Raises NoPass where the tilted torch would leave its axes or meet other walls."""
         wall, coper, profile = self._wall, self._coper, self._part.profile
         patch = patch_of(surface_of(profile), wall.face)
         assert patch is not None
@@ -191,8 +190,6 @@ class Passes:
 
     def _look_at_roots(self, cut: CopeCut) -> None:
         """Raises NoPass where a pass along a flange goes along a root, or on the far side to it."""
-        from shapely import LineString, box
-
         half = cut.row.kerf / 2
         for root in self._wall.roots:
             band = box(-FAR, root.low, FAR, root.high)
@@ -206,18 +203,15 @@ class Passes:
 
     def _look_at_part(self, cut: CopeCut, edge: BevelEdge) -> None:
         """Raises NoPass where a pass hurts the part at any depth of its wall, or pierces it."""
-        from shapely import LineString
-        from shapely import Point as Place
-        from shapely.affinity import translate
-
         share, shape = cos(radians(edge.angle)), self._region.shape
         (nx, ny) = edge.rulings(())[0].inside
         long = hypot(nx, ny)
         leans = [_lean(cut, k) for k in range(len(cut.path))]
         # What piercing burns is longer where the torch leans, square to the edge.
-        burnt = _stretched(
-            Place(cut.path[0]).buffer(cut.row.pierce_radius), (nx / long, ny / long), 1 / share
-        )
+        (x, y), (c, s), more = cut.path[0], (nx / long, ny / long), 1 / share - 1.0
+        a, b, d = 1 + more * c * c, more * c * s, 1 + more * s * s
+        matrix = [a, b, b, d, x - a * x - b * y, y - b * x - d * y]
+        burnt = affine_transform(Place(x, y).buffer(cut.row.pierce_radius), matrix)
         for depth in dict.fromkeys((0.0, edge.thickness - edge.land, edge.thickness)):
             stays = shape.difference(edge.strip(depth)).buffer(-SLIVER)
             run = LineString(_below(cut, depth)[1:])
@@ -243,21 +237,8 @@ def _lean(cut: CopeCut, k: int) -> Point:
     return x / out, along / out
 
 
-def _stretched(shape: Shape, way: Point, by: float) -> Shape:
-    """A shape that is so many times as long along a way, about its middle."""
-    from shapely.affinity import affine_transform
-
-    (c, s), more = way, by - 1.0
-    x, y = shape.centroid.x, shape.centroid.y
-    a, b, d = 1 + more * c * c, more * c * s, 1 + more * s * s
-    return affine_transform(shape, [a, b, b, d, x - a * x - b * y, y - b * x - d * y])
-
-
 def _section(profile: Profile) -> Shape:
     """The section in Y and Z, with its root fillets."""
-    from shapely import Point as Place
-    from shapely import box, union_all
-
     high, wide, r = profile.height, profile.width, profile.radius
     flange, web = profile.flange_thickness, profile.web_thickness or 0.0
     back = (wide - web) / 2 if profile.code in WEB_AMID else 0.0
@@ -275,8 +256,6 @@ def _section(profile: Profile) -> Shape:
 
 def _torch(tip: Point, a_deg: float, b_deg: float, coper: Coper) -> tuple[Shape, Shape]:
     """The torch and its holder as they are seen along the bar, from its tip on."""
-    from shapely import Polygon
-
     a, lean = radians(a_deg), abs(radians(b_deg))
     long, half, head = coper.torch_length * cos(lean), coper.torch_width / 2, coper.head_width / 2
 

@@ -10,13 +10,27 @@ from typing import Any
 
 from msgspec import Struct
 from msgspec.structs import replace
+from shapely import (
+    GEOSException,
+    MultiPoint,
+    Polygon,
+    box,
+    distance,
+    get_coordinates,
+    make_valid,
+    points,
+    segmentize,
+    union_all,
+)
+from shapely import Point as Place
+from shapely.geometry.polygon import orient
 
 from beamcam.errors import Diagnostic, Source
-from beamcam.geometry.curves import Arc, Curve, Line, Point, signed_area
-from beamcam.geometry.plane import unit_vector
+from beamcam.geometry.curves import Curve, Line, Point, signed_area
 from beamcam.geometry.polylines import polylines
 from beamcam.machine.coper import Coper
-from beamcam.model.part import Contour, Face, Hole, Part, Slot
+from beamcam.model.part import Contour, Face, Feature, Hole, Part, Slot
+from beamcam.planning.contours.outline import curves_of
 from beamcam.planning.coping import rules
 from beamcam.planning.coping.chart import Chart
 from beamcam.planning.coping.walls import EndLine, PlannedWall
@@ -52,12 +66,9 @@ def region_of(
     wall: PlannedWall, part: Part, features: Sequence[int], coper: Coper
 ) -> tuple[WallRegion, list[Diagnostic]]:
     """The region of a wall by those of a part's features that lie on it, and what is wrong."""
-    from shapely import Point as Place
-    from shapely import union_all
-
     own = [f for f in map(part.features.__getitem__, features) if isinstance(f, Cut)]
     outer = [c for c in own if isinstance(c, Contour) and c.kind == "outer"]
-    taken = [c for c in own if not (isinstance(c, Contour) and c.kind == "outer")]
+    inner = [c for c in own if not (isinstance(c, Contour) and c.kind == "outer")]
     diagnostics: list[Diagnostic] = []
     whole = _between(wall, (EndLine(0.0, 0.0), EndLine(part.length, 0.0)))
     strip = _between(wall, (EndLine(-BEYOND, 0.0), EndLine(part.length + BEYOND, 0.0)))
@@ -66,8 +77,8 @@ def region_of(
         diagnostics += _beyond(drawn, strip, wall, outer[0])
         whole = drawn.intersection(strip)
     shape, round_ones = whole, list[Shape]()
-    for feature in taken:
-        gone = shape_of(curves_of(feature))
+    for feature in inner:
+        gone = taken(feature)
         if not isinstance(feature, Contour):
             round_ones.append(gone)
         if not gone.intersects(whole):
@@ -79,29 +90,22 @@ def region_of(
     reliefs = union_all(round_ones)
     corners = [  # what is at a root is cut with it, or stays there; a hole may be its relief
         (x, y)
-        for c in (*outer, *taken) if isinstance(c, Contour)
+        for c in (*outer, *inner) if isinstance(c, Contour)
         for x, y in sharp_corners(c)
-        if not _is_at_root(y, wall, part.profile.radius) and not reliefs.dwithin(Place(x, y), CHORD)
+        if not reliefs.dwithin(Place(x, y), CHORD) and not (
+            wall.face == "v" and any(abs(y - root.y(0.0)) < root.thick + part.profile.radius
+                                     for root in wall.roots))
     ]  # fmt: skip
-    region, diagnostics = rounded(wall, shape, corners, part, coper, diagnostics)
+    region, more = rounded(WallRegion(wall, shape, {}), corners, part, coper)
+    diagnostics += more
     # What rounds a corner may lie in a hole beside it.
     if region.rounded and round_ones and region.shape.intersection(reliefs).area > CHORD * CHORD:
         region = replace(region, shape=region.shape.difference(reliefs))
     return region, diagnostics
 
 
-def _is_at_root(y: float, wall: PlannedWall, radius: float) -> bool:
-    """Whether a place of a web lies on a flange or its fillet."""
-    return wall.face == "v" and any(
-        y < root.inner + radius if root.low == 0.0 else y > root.inner - radius
-        for root in wall.roots
-    )
-
-
 def _between(wall: PlannedWall, square: tuple[EndLine, EndLine]) -> Shape:
     """A wall between the ends of its piece, or between skew ones and, where it has none, others."""
-    from shapely import Polygon
-
     start, end = wall.ends or (s or other for s, other in zip(wall.skew, square, strict=True))
     return Polygon(
         [(start.x(0.0), 0.0), (end.x(0.0), 0.0), (end.x(wall.width), wall.width),
@@ -113,32 +117,18 @@ def _beyond(
     drawn: Shape, piece: Shape, wall: PlannedWall, outline: Contour
 ) -> Iterator[Diagnostic]:
     """An error where an outline goes on beyond the ends of a piece that comes cut, or skew ones."""
-    from shapely import box
-
     if wall.ends is None and wall.skew == (None, None):
         return
     within = drawn.intersection(box(-BEYOND, 0.0, BEYOND, wall.width))
     over = within.difference(piece.buffer(OUTLINE_NOISE))
     if not over.is_empty:
-        far = max(piece.distance(place) for place in _corners_of(over))
+        far = distance(piece, points(get_coordinates(over))).max()
         rule = rules.BEYOND if wall.ends is None else rules.SHORT
         yield rule.at(outline.source, face=wall.face, found=f"{far:.3g}")
 
 
-def _corners_of(shape: Shape) -> Iterator[Any]:
-    from shapely import Point as Place
-    from shapely import get_coordinates
-
-    return map(Place, get_coordinates(shape))
-
-
 def rounded(
-    wall: PlannedWall,
-    shape: Shape,
-    corners: Sequence[Point],
-    part: Part,
-    coper: Coper,
-    diagnostics: list[Diagnostic],
+    region: WallRegion, corners: Sequence[Point], part: Part, coper: Coper
 ) -> tuple[WallRegion, list[Diagnostic]]:
     """A region whose re-entrant corners at the given places have the machine's radius, or the
     largest for which there is room.
@@ -146,18 +136,22 @@ def rounded(
     What a ball of that radius does not reach from the scrap is added at each of them. A radius is a
     kerf at least, so that the torch turns with half a kerf about its path.
     """
-    from shapely import GEOSException, box, union_all
-
+    diagnostics: list[Diagnostic] = []
     if not corners:
-        return WallRegion(wall, shape, {}), diagnostics
-    radius = coper.corner_radius
+        return region, diagnostics
+    wall, shape, radius = region.wall, region.shape, coper.corner_radius
     row = Chart(part, coper).row(wall.thickness)
     least = min(radius, row.kerf) if row else radius
-    added, found, narrow = _filled(shape, corners, radius)
-    for x, y in dict.fromkeys(narrow):
+    added, found, tight = _filled(shape, corners, radius)
+    for x, y in dict.fromkeys(tight):
         far = AROUND * radius
         near = shape.intersection(box(x - far, y - far, x + far, y + far))
-        room = _room(near, (x, y), radius)
+        low, high = 0, round(radius / STEP)  # the largest radius that has room, in steps
+        while high - low > 1:
+            middle = (low + high) // 2
+            has_room = not _filled(near, [(x, y)], middle * STEP)[2]
+            low, high = (middle, high) if has_room else (low, middle)
+        room = low * STEP if low * STEP > SLIVER else 0.0
         if room < least:
             what, expected = "sharper than 60 degrees", "one less sharp, or a drawn radius"
             if room:
@@ -182,16 +176,6 @@ def rounded(
     return WallRegion(wall, whole, found), diagnostics
 
 
-def _room(shape: Shape, corner: Point, radius: float) -> float:
-    """The largest radius below another one that a corner has room for, in steps of STEP; 0 for
-    none."""
-    low, high = 0, round(radius / STEP)
-    while high - low > 1:
-        middle = (low + high) // 2
-        low, high = (low, middle) if _filled(shape, [corner], middle * STEP)[2] else (middle, high)
-    return low * STEP if low * STEP > SLIVER else 0.0
-
-
 def _filled(
     shape: Shape, corners: Sequence[Point], radius: float
 ) -> tuple[list[Shape], dict[Point, float], list[Point]]:
@@ -203,13 +187,16 @@ def _filled(
     other.
     """
     import numpy as np
-    from shapely import MultiPoint, distance, get_coordinates, points, segmentize
 
     places = MultiPoint(corners)
     closed = shape.buffer(radius, ROUND).buffer(-radius, ROUND)
-    filled = [one for one in _polygons(closed.difference(shape)) if one.distance(places) <= CHORD]
+    filled = [one for one in polygons_of(closed.difference(shape)) if one.distance(places) <= CHORD]
     each = np.array(places.geoms)
-    added, found, narrow, rings = [], dict[Point, float](), list[Point](), _rings(shape)
+    added, found, tight = [], dict[Point, float](), list[Point]()
+    turned = (orient(polygon) for polygon in polygons_of(shape))  # the steel on the left
+    rings = [
+        np.array(ring.coords)[:-1] for one in turned for ring in (one.exterior, *one.interiors)
+    ]
     border = closed.boundary
     tip = (2 * THIN) ** 0.5 * radius  # from where a disc touches a side to where it is THIN off it
     for piece, core in _pieces(filled, THIN * radius / 2, tip):
@@ -221,34 +208,22 @@ def _filled(
         if deep <= 2 * CHORD:
             continue
         if deep > MOST_ROUNDED * radius or _turn_in(piece, rings, border) > MOST_TURN_DEG:
-            narrow += [(one.x, one.y) for one in mine]
+            tight += [(one.x, one.y) for one in mine]
             continue
         added.append(piece)
         found |= {(one.x, one.y): radius for one in mine}
-    return added, found, narrow
+    return added, found, tight
 
 
 def _pieces(joined: Sequence[Shape], half: float, tip: float) -> Iterator[tuple[Shape, Shape]]:
     """Pieces, also those that slivers join, each with what of it is thicker than twice `half`;
     beyond that they go on for `tip`."""
-    from shapely import union_all
-
     for piece in joined:
-        cores = [*_polygons(piece.buffer(-half).buffer(half))] or [piece]
+        cores = [*polygons_of(piece.buffer(-half).buffer(half))] or [piece]
         for core in cores:
             others = [one.buffer(tip) for one in cores if one is not core]
             own = union_all([piece.difference(union_all(others)), core]) if others else piece
-            yield next((one for one in _polygons(own) if one.intersects(core)), own), core
-
-
-def _rings(shape: Shape) -> list[Any]:
-    """The places of each ring of a region, with the steel on their left."""
-    import numpy as np
-    from shapely.geometry.polygon import orient
-
-    turned = [orient(polygon) for polygon in _polygons(shape)]
-    rings = (ring for one in turned for ring in (one.exterior, *one.interiors))
-    return [np.array(ring.coords)[:-1] for ring in rings]
+            yield next((one for one in polygons_of(own) if one.intersects(core)), own), core
 
 
 def _turn_in(piece: Shape, rings: Sequence[Any], border: Shape) -> float:
@@ -256,7 +231,6 @@ def _turn_in(piece: Shape, rings: Sequence[Any], border: Shape) -> float:
     0; 180 where two sides face each other. `rings` are those of the region, `border` is that which
     it has with its corners rounded."""
     import numpy as np
-    from shapely import distance, points
 
     total, bounds = 0.0, np.reshape(piece.bounds, (2, 2))
     for xy in rings:
@@ -271,17 +245,17 @@ def _turn_in(piece: Shape, rings: Sequence[Any], border: Shape) -> float:
     return total
 
 
-def told_rounded(region: WallRegion, source: Source) -> Iterator[Diagnostic]:
+def rounded_notes(region: WallRegion, source: Source) -> Iterator[Diagnostic]:
     """How many corners of a region are rounded, by their radius."""
     for radius in sorted({*region.rounded.values()}, reverse=True):
         count = sum(one == radius for one in region.rounded.values())
         yield rules.ROUNDED.at(source, count=count, face=region.wall.face, radius=f"{radius:.4g}")
 
 
-def _polygons(shape: Shape) -> Iterator[Shape]:
-    for one in getattr(shape, "geoms", (shape,)):
-        if one.geom_type == "Polygon" and one.area > CHORD * CHORD:
-            yield one
+def polygons_of(shape: Shape, least: float = CHORD * CHORD) -> list[Shape]:
+    """The polygons of a shape with more than the least area."""
+    many = getattr(shape, "geoms", (shape,))
+    return [one for one in many if one.geom_type == "Polygon" and one.area > least]
 
 
 def outline_on(wall: PlannedWall, curves: Sequence[Curve], seam_from: float = inf) -> Shape:
@@ -319,8 +293,6 @@ def shape_of(
 
     `moved` says where the ends of a curve lie, by the straight ones that meet there.
     """
-    from shapely import Polygon, make_valid
-
     drawn = polylines(curves, CHORD)
     ring: list[Point] = []
     for k, curve in enumerate(curves):
@@ -333,28 +305,9 @@ def shape_of(
     return whole if whole.is_valid else make_valid(whole)
 
 
-def curves_of(feature: Cut) -> tuple[Curve, ...]:
-    """The closed chain that a feature is cut along."""
-    if isinstance(feature, Contour):
-        return feature.curves
-    if isinstance(feature, Hole):
-        return (Arc((feature.x, feature.y), feature.diameter / 2, 0.0, 360.0),)
-    return tuple(_slot_arcs(feature))
-
-
-def _slot_arcs(slot: Slot) -> Iterator[Curve]:
-    (c, s), radius = unit_vector(slot.angle), slot.diameter / 2
-    corners = [(1, 1), (-1, 1), (-1, -1), (1, -1)]
-    arcs = []
-    for k, (a, b) in enumerate(corners):
-        along, across = a * slot.length / 2, b * slot.height / 2
-        middle = slot.x + along * c - across * s, slot.y + along * s + across * c
-        arcs.append(Arc(middle, radius, slot.angle + 90.0 * k, 90.0))
-    for k, arc in enumerate(arcs):
-        yield arc
-        after = arcs[(k + 1) % 4]
-        if arc.end != after.start:
-            yield Line(arc.end, after.start)
+def taken(feature: Cut) -> Shape:
+    """What a hole, a slot or a cut-out takes of its wall."""
+    return shape_of(feature.curves if isinstance(feature, Contour) else curves_of(feature, 0.0))
 
 
 def sharp_corners(contour: Contour) -> Iterator[Point]:
@@ -383,14 +336,12 @@ def features_on(part: Part, made: Sequence[int]) -> dict[Face, list[int]]:
 
 def open_on(face: Face, part: Part) -> Shape:
     """The holes, slots and cut-outs of a wall that another machine has made."""
-    from shapely import union_all
+    own = [f for f in part.made or () if getattr(f, "face", "").replace("h", "v") == face]
+    return union_all([taken(f) for f in own if isinstance(f, Cut) and is_through(f)])
 
-    made = replace(part, features=part.made or ())
-    own = [made.features[k] for k in features_on(made, range(len(made.features))).get(face, [])]
-    return union_all(
-        [
-            shape_of(curves_of(one)) for one in own
-            if (isinstance(one, Hole | Slot) and one.kind != "mark" and one.depth is None)
-            or (isinstance(one, Contour) and one.kind == "inner" and one.process == "cut")
-        ]
-    )  # fmt: skip
+
+def is_through(feature: Feature) -> bool:
+    """Whether what another machine has made goes through its wall, but for its ends."""
+    if isinstance(feature, Hole | Slot):
+        return feature.kind != "mark" and feature.depth is None
+    return isinstance(feature, Contour) and feature.kind == "inner" and feature.process == "cut"

@@ -20,20 +20,73 @@ from math import atan, degrees, radians, tan
 
 from msgspec import Struct
 from msgspec.structs import replace
+from shapely import LineString, Polygon
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Point
 from beamcam.machine.coper import Coper
 from beamcam.model.part import Face
 from beamcam.planning.coping import rules
-from beamcam.planning.coping.crossings import SHARE, Crossing, crossings, through_flange
 from beamcam.planning.coping.cuts import borders_of, chains_of
 from beamcam.planning.coping.ends import STEEPEST_DEG, is_on
 from beamcam.planning.coping.fillets import ways_beside
-from beamcam.planning.coping.regions import OUTLINE_NOISE, Shape, WallRegion
+from beamcam.planning.coping.regions import OUTLINE_NOISE, Shape, WallRegion, polygons_of
 from beamcam.planning.coping.walls import EDGE, EndLine, PlannedWall, Root
 
+SHARE = 0.5  #: of the tolerance, that web and flange may differ by at a root
+FAR = 1e5  #: mm beyond any bar
 ALONG_LIP = 4.0  #: mm along the bar by mm across it that a cut through a lip goes, at most
+
+
+class Crossing(Struct, frozen=True):
+    """A cut through the whole of a root, square to the bar or in the plane of an end."""
+
+    x: float
+    right: bool  #: whether the scrap lies at greater x
+    square: bool = True  #: to the bar
+    end: int | None = None  #: in whose plane it lies, 0 at the start
+
+
+def crossings(
+    region: WallRegion, band: tuple[float, float], coper: Coper
+) -> tuple[list[Crossing], list[tuple[Point, ...]]]:
+    """The cuts through a band of a wall, along x, and the paths by which it is cut otherwise."""
+    crossings: list[Crossing] = []
+    wrong: list[tuple[Point, ...]] = []
+    for chain in chains_of(region.shape, borders_of(region.wall, *band, -EDGE)):
+        xs = [x for x, _ in chain.points]
+        whole = {chain.start, chain.end} == {"low", "high"}
+        near = SHARE * coper.tolerance
+        end = next(
+            (k for k, line in enumerate(region.wall.skew)
+             if line and all(abs(x - line.x(y)) <= near for x, y in chain.points)),
+            None,
+        )  # fmt: skip
+        square = max(xs) - min(xs) <= near
+        if not whole or (end is None and not square):
+            wrong.append(chain.points)
+            continue
+        # The region lies on the left of its ring: upwards, the scrap is at greater x.
+        crossings.append(Crossing((max(xs) + min(xs)) / 2, chain.start == "low", square, end))
+    return sorted(crossings, key=lambda one: one.x), wrong
+
+
+def through_flange(
+    flange: WallRegion, coper: Coper
+) -> tuple[list[Crossing], list[tuple[Point, ...]], tuple[float, float]]:
+    """The cuts through a flange where its web stands, as `crossings`, and in which band: over web
+    and fillets, or where one runs along the web, over that alone."""
+    wall = flange.wall
+    (behind,) = wall.roots
+    band = max(EDGE, behind.low), min(wall.width - EDGE, behind.high)
+    on_flange, wrong = crossings(flange, band, coper)
+    if wrong and behind.stands is not None:
+        low, high = max(behind.stands[0], 0.0) + EDGE, min(behind.stands[1], wall.width) - EDGE
+        if wall.skew == (None, None):
+            return *crossings(flange, (low, high), coper), (low, high)
+        ys = [[y for _, y in way] for way in wrong]
+        wrong = [way for way, of in zip(wrong, ys, strict=True) if max(of) > low and min(of) < high]
+    return on_flange, wrong, band
 
 
 def root_faults(
@@ -50,10 +103,10 @@ def root_faults(
     for root in web.wall.roots:
         flange = regions[root.face]
         depth = max(depths[None], deeper.get(root.face, 0.0))
-        across = _band(root, depth, web.wall)
+        across = root.inside(depth)
         on_web, wrong = crossings(web, across, coper)
         for end in depths.keys() - {None}:  # which counts there, be it more or less
-            own = [one for one in crossings(web, _band(root, depths[end], web.wall), coper)[0]
+            own = [one for one in crossings(web, root.inside(depths[end]), coper)[0]
                    if one.end == end]  # fmt: skip
             before = [one for one in on_web if one.end == end]
             on_web = [one for one in on_web if one.end != end] + own
@@ -62,17 +115,18 @@ def root_faults(
                 wrong = [way for way in wrong if not any(is_on(line, (at,)) for at in way)]
             elif before:
                 wrong += [((one.x, 0.0),) for one in before]
-        deep = max(root.high if root.low == 0.0 else web.wall.width - root.low, depth)
+        deep = max(root.high - root.low, depth)
         clear = f"{deep + 2 * EDGE:.1f} mm off the outside of face {root.face} at least"
-        on_flange, astray, band = through_flange(flange, coper)
-        there = [one.x for one in on_flange] + [x for way in astray for x, _ in way]
-        alone = [way for way in wrong
-                 if all(abs(x - way[0][0]) > flange.wall.width for x in there)]  # fmt: skip
-        yield from _said(wrong, web.wall, across, clear, root.face, source, alone)
+        on_flange, others, band = through_flange(flange, coper)
+        there = [one.x for one in on_flange] + [x for way in others for x, _ in way]
+        alone = [way for way in wrong if all(abs(x - way[0][0]) > flange.wall.width for x in there)]
+        yield from _otherwise(wrong, web.wall, across, clear, root.face, source, alone)
         over = f"clear of y {band[0]:.1f} to {band[1]:.1f}, where the web stands"
-        yield from _said(astray, flange.wall, band, over, "v", source)
-        if not (wrong or astray):
-            yield from _unpaired(on_web, on_flange, web.wall, flange.wall, coper, source)
+        yield from _otherwise(others, flange.wall, band, over, "v", source)
+        if not (wrong or others):
+            both = (on_web, web.wall), (on_flange, flange.wall)
+            yield from _unpaired(both[0], both[1], coper, source)
+            yield from _unpaired(both[1], both[0], coper, source)
         if coper.k_area == "refuse":
             beside = (chain.points[0][0] for chain, _ in ways_beside(flange))
             for x in [*(one.x for one in on_web), *beside][:1]:
@@ -94,14 +148,7 @@ def lip_faults(regions: Mapping[Face, WallRegion], source: Source) -> Iterator[D
                     yield rules.INTO_LIP.at(source, what=what, x=f"{xs[0]:g}", face=face)
 
 
-def _band(root: Root, depth: float, web: PlannedWall) -> tuple[float, float]:
-    """The y of the web between the flange's inner surface and where a pass through it ends."""
-    if root.low == 0.0:
-        return root.inner + EDGE, max(root.high, depth - EDGE)
-    return min(root.low, web.width - depth + EDGE), root.inner - EDGE
-
-
-def _said(
+def _otherwise(
     wrong: Sequence[Sequence[Point]], wall: PlannedWall, band: tuple[float, float], clear: str,
     other: Face, source: Source, alone: Sequence[Sequence[Point]] = (),
 ) -> Iterator[Diagnostic]:  # fmt: skip
@@ -124,40 +171,29 @@ def _said(
             )
         yield rules.ROOT.at(
             source, x=f"{way[0][0]:g}", face=wall.face, what=what, expected=expected
-        )  # fmt: skip
-
-
-def _unpaired(
-    on_web: Sequence[Crossing],
-    on_flange: Sequence[Crossing],
-    web: PlannedWall,
-    flange: PlannedWall,
-    coper: Coper,
-    source: Source,
-) -> Iterator[Diagnostic]:
-    """Cuts through a root of one wall without one of the other at the same x and side."""
-
-    def has(one: Crossing, others: Sequence[Crossing]) -> bool:
-        return any(
-            one.right == other.right
-            and (
-                (one.end is not None and one.end == other.end)
-                or (one.square and other.square and abs(one.x - other.x) <= SHARE * coper.tolerance)
-            )
-            for other in others
         )
 
-    both = (on_web, on_flange, web, flange), (on_flange, on_web, flange, web)
-    for mine, others, wall, other in both:
-        for one in mine:
-            if not has(one, others):
-                expected = f"one of face {other.face} at that x, which the root goes with"
-                if wall is flange:
-                    expected += f", or a strip of the flange {web.thickness:g} mm wide on the web"
-                yield rules.ROOT.at(
-                    source, what="a cut to the root", x=f"{one.x:g}", face=wall.face,
-                    expected=expected,
-                )  # fmt: skip
+
+CutWall = tuple[Sequence[Crossing], PlannedWall]  #: cuts through a root, and whose they are
+
+
+def _unpaired(mine: CutWall, others: CutWall, coper: Coper, source: Source) -> Iterator[Diagnostic]:
+    """Cuts through a root of one wall without one of the other at the same x and side."""
+    (cuts, wall), (there, other), near = mine, others, SHARE * coper.tolerance
+    for one in cuts:
+        if any(
+            one.right == two.right
+            and ((one.end is not None and one.end == two.end)
+                 or (one.square and two.square and abs(one.x - two.x) <= near))
+            for two in there
+        ):  # fmt: skip
+            continue
+        expected = f"one of face {other.face} at that x, which the root goes with"
+        if other.face == "v":
+            expected += f", or a strip of the flange {other.thickness:g} mm wide on the web"
+        yield rules.ROOT.at(
+            source, what="a cut to the root", x=f"{one.x:g}", face=wall.face, expected=expected
+        )
 
 
 class _Approach(Struct, frozen=True):
@@ -195,20 +231,17 @@ def with_steps(
     `depths` are those to which passes through a root cut. What is more than drawn reaches as far as
     either of the walls does there, so that no steel is missing.
     """
-    found, said, off = dict(regions), list[Diagnostic](), dict[Face, float]()
+    walls, steps, off = dict(regions), list[Diagnostic](), dict[Face, float]()
     for root in regions["v"].wall.roots:
-        web, flange = regions["v"].wall, regions[root.face].wall
+        flange, depth = regions[root.face].wall, depths[root.face]
         (behind,) = flange.roots
-        low, depth = root.low == 0.0, depths[root.face]
-        ys = (0.0, depth + EDGE) if low else (web.width - depth - EDGE, web.width)
+        ys, inner = root.band(0.0, depth + EDGE), root.inside(depth)
         zs = max(behind.low - EDGE, 0.0), min(behind.high + EDGE, flange.width)
-        inner = _band(root, depth, web)
         across = max(EDGE, behind.low), min(flange.width - EDGE, behind.high)
-        beyond = (inner[0], ys[1] + EDGE) if low else (ys[0] - EDGE, inner[1])
-        outer = (EDGE, beyond[1]) if low else (beyond[0], web.width - EDGE)
+        wider = [root.band(near, depth + 2 * EDGE) for near in (EDGE, root.thick + EDGE)]
         beside = max(EDGE, zs[0] - EDGE), min(flange.width - EDGE, zs[1] + EDGE)
         pairs = product(
-            _approaches(regions["v"], inner, (outer, beyond), inner[not low], coper),
+            _approaches(regions["v"], inner, wider, root.y(root.thick + EDGE), coper),
             _approaches(regions[root.face], across, (beside,), None, coper),
         )
         for one, other in pairs:
@@ -218,21 +251,14 @@ def with_steps(
             ways: dict[Face, list[Point]] = {"v": one.within(ys), root.face: other.within(zs)}
             x = side * max(side * at for way in ways.values() for at, _ in way)
             for face, way in ways.items():
-                more = _up_to(x, side, way)
-                found[face] = replace(found[face], shape=found[face].shape.union(more))
+                inside = [(at - side * OUTLINE_NOISE, y) for at, y in way]
+                more = Polygon([*inside, (x, way[-1][1]), (x, way[0][1])])
+                walls[face] = replace(walls[face], shape=walls[face].shape.union(more))
                 off[face] = max(off.get(face, 0.0), *(abs(x - at) for at, _ in way))
-            said.append(rules.STEP.at(
+            steps.append(rules.STEP.at(
                 source, x=f"{x:g}", face=root.face, found=f"{max(off['v'], off[root.face]):.1f}",
             ))  # fmt: skip
-    return found, said, off
-
-
-def _up_to(x: float, side: float, way: Sequence[Point]) -> Shape:
-    """What a wall has more that ends square at x instead of along a way."""
-    from shapely import Polygon
-
-    inside = [(at - side * OUTLINE_NOISE, y) for at, y in way]
-    return Polygon([*inside, (x, way[-1][1]), (x, way[0][1])])
+    return walls, steps, off
 
 
 def _approaches(
@@ -275,9 +301,6 @@ def _approaches(
                 yield one
 
 
-FAR = 1e5
-
-
 def with_ledges(
     regions: Mapping[Face, WallRegion], depths: Mapping[int | None, float], kerf: float,
     coper: Coper, source: Source,
@@ -312,16 +335,13 @@ def _ledge(
 ) -> Iterator[tuple[Shape, float]]:
     """What a web keeps at a root up to the end of its flange, and how high; nothing where the web
     ends there too, where it has no hole, or one that is all within reach of none."""
-    from shapely import LineString, Polygon
 
     def inside(low: float, high: float) -> Shape:
         """A band of the web up to its end."""
         far = -FAR if right else FAR
         return Polygon([(far, low), (end.x(low), low), (end.x(high), high), (far, high)])
 
-    wide, low = web.wall.width, root.low == 0.0
-    top = max(root.high, depth) + 2 * EDGE if low else min(root.low, wide - depth) - 2 * EDGE
-    beside = root.inner + (EDGE if low else -EDGE)
+    deep, beside = max(root.high - root.low, depth) + 2 * EDGE, root.y(root.thick + EDGE)
     x = end.x(beside)
     inwards = (-FAR, x) if right else (x, FAR)
     gap = LineString([(at, beside) for at in inwards]).difference(web.shape)
@@ -334,24 +354,15 @@ def _ledge(
         return
     # An outline of the web without the flange's own thickness means that the flange goes too.
     least, _, most, _ = gap.bounds
-    middle = root.inner / 2 if low else (root.inner + wide) / 2
+    middle = root.y(root.thick / 2)
     within = (least, end.x(middle)) if right else (end.x(middle), most)
     if LineString([(at, middle) for at in within]).difference(web.shape).length > OUTLINE_NOISE:
         return
-    edges = (0.0, top) if low else (top, wide)
-    strip = inside(*edges).difference(web.shape)
-    over = inside(top, wide) if low else inside(0.0, top)
-    open_above = [
-        one for one in _polygons(over.difference(web.shape).buffer(-kerf)) if one.length < FAR
-    ]
-    ledges = [one for one in _polygons(strip) if one.intersects(gap)]
+    strip, over = inside(*root.band(0.0, deep)), inside(*root.band(deep, web.wall.width))
+    voids = polygons_of(over.difference(web.shape).buffer(-kerf), 0.0)
+    open_above = [one for one in voids if one.length < FAR]
+    ledges = [p for p in polygons_of(strip.difference(web.shape), 0.0) if p.intersects(gap)]
     near = [one for one in open_above if any(one.distance(ledge) <= 2 * kerf for ledge in ledges)]
     if near and all(one.length < FAR for one in ledges):
         for one in ledges:
-            yield one.buffer(EDGE / 10, join_style="mitre"), abs(top - root.inner)
-
-
-def _polygons(shape: Shape) -> Iterator[Shape]:
-    for one in getattr(shape, "geoms", (shape,)):
-        if one.geom_type == "Polygon" and not one.is_empty:
-            yield one
+            yield one.buffer(EDGE / 10, join_style="mitre"), deep - root.thick

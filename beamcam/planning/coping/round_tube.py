@@ -6,57 +6,52 @@ cut-outs count on the outside; a hole is drawn as a drill through the axis makes
 
 from collections.abc import Iterator, Sequence
 from math import asin, cos, hypot, inf, pi, sin
-from typing import Literal
 
 import numpy as np
+from shapely import LineString, Polygon, bounds, box, intersection, union_all
 
 from beamcam.errors import Diagnostic
 from beamcam.geometry.curves import Line, Point
 from beamcam.model.part import Contour, Hole, Part
 from beamcam.model.surface import Around
-from beamcam.planning import rules as bar_rules
 from beamcam.planning.coping import rules
 from beamcam.planning.coping.box_corners import MEET
 from beamcam.planning.coping.box_tube import Unrolled
+from beamcam.planning.coping.ends import SectionEnd
 from beamcam.planning.coping.regions import (
     OUTLINE_NOISE,
     Cut,
     Shape,
-    curves_of,
     off_edge,
     outline_on,
-    shape_of,
     sharp_corners,
+    taken,
 )
 from beamcam.planning.coping.tube_ends import (
-    Plane,
+    denied,
     header_slopes,
     line_of,
-    planes_of,
+    own_planes,
     several,
     within,
 )
-from beamcam.planning.coping.tube_pieces import (
-    BEYOND,
-    EndLine,
-    farthest_beyond,
-    lies_beyond,
-    opened,
-)
+from beamcam.planning.coping.tube_pieces import BEYOND, EndLine, beyond_ends, opened
 from beamcam.planning.coping.walls import PlannedWall
 
 STEPS = 96  #: places round a hole
 ROUND_STEPS = 721  #: places once round an end that is there
 
 
-def header_planes(part: Part) -> Iterator[Plane]:
+def header_planes(part: Part) -> Iterator[SectionEnd]:
     """The skew ends of a round tube by its header: planes that touch x 0 or the length outside."""
     radius = part.profile.height / 2
     for side in (-1, 1):
         web, flange = header_slopes(part, side)
         if web or flange:
             x = 0.0 if side < 0 else part.length
-            yield Plane(side, x + radius * (web + flange - side * hypot(web, flange)), web, flange)
+            yield SectionEnd(
+                side, x + radius * (web + flange - side * hypot(web, flange)), web, flange
+            )
 
 
 def once_round(
@@ -66,8 +61,6 @@ def once_round(
 
     `there` are the ends of a round piece that comes cut, beyond which it goes on.
     """
-    from shapely import box, union_all
-
     round_it = way.turn
     wall = max(part.profile.thickness("v"), part.profile.flange_thickness)
     surface = PlannedWall("v", round_it, wall, -inf, inf, ())
@@ -75,7 +68,7 @@ def once_round(
     outer = [c for c in own if isinstance(c, Contour) and c.kind == "outer"]
     beyond = BEYOND if there else 0.0
     whole: Shape = box(-beyond, 0.0, part.length + beyond, round_it)
-    planes = planes_of(part, features)
+    planes = own_planes(part, features)
     skew = [wall * hypot(plane.by_y, plane.by_z) for plane in (*header_planes(part), *planes)]
     diagnostics: list[Diagnostic] = []
     if outer:
@@ -91,7 +84,7 @@ def once_round(
         if open_seams:
             diagnostics.append(rules.SEAM.at(outer[0].source, found=f"{max(open_seams):.2f}"))
         whole = union_all(drawn)
-        if (far := farthest_beyond(whole, there)) > OUTLINE_NOISE:
+        if (far := beyond_ends(whole, there)[1]) > OUTLINE_NOISE:
             diagnostics.append(rules.SHORT.at(outer[0].source, face="v", found=f"{far:.3g}"))
         whole = opened(whole, there).intersection(strip)
         diagnostics += denied_ends(part, whole, way)
@@ -106,7 +99,7 @@ def once_round(
                 continue
         drawn_once = taken_round(feature, part)
         gone = several(opened(drawn_once, there), round_it, (-1, 0, 1))
-        if not gone.intersects(whole) or lies_beyond(drawn_once, there):
+        if not gone.intersects(whole) or beyond_ends(drawn_once, there)[0] >= 0.0:
             diagnostics.append(rules.OFF.at(feature.source, what="a hole or cut-out"))
         shape = shape.difference(gone)
     return Unrolled(shape, tuple(corners), {"v": max(skew, default=0.0)}), diagnostics
@@ -118,11 +111,9 @@ def taken_round(feature: Cut, part: Part) -> Shape:
     A hole is drawn as a drill makes it, square to the axis of the tube: at y from its middle along
     the section it meets the outside at R asin(y / R) of arc.
     """
-    from shapely import Polygon
-
     radius = part.profile.height / 2
     if not isinstance(feature, Hole):
-        return shape_of(curves_of(feature))
+        return taken(feature)
     r = min(feature.diameter / 2, radius)
     turns = [2 * pi * k / STEPS for k in range(STEPS)]
     return Polygon(
@@ -135,8 +126,6 @@ def taken_round(feature: Cut, part: Part) -> Shape:
 
 def denied_ends(part: Part, outline: Shape, way: Around) -> Iterator[Diagnostic]:
     """Errors for ends that the header has otherwise than the outline, on one turn."""
-    from shapely import LineString
-
     for plane in header_planes(part):
         side, seen = plane.side, list[Point]()
         for x, u in line_of(plane, way)[1:-1].tolist():
@@ -145,24 +134,16 @@ def denied_ends(part: Part, outline: Shape, way: Around) -> Iterator[Diagnostic]
                 seen.append((across.bounds[0 if side < 0 else 2], x))
         off = max((abs(drawn - x) for drawn, x in seen), default=0.0)
         if off > MEET + way.legs[0].patch.thickness * hypot(plane.by_y, plane.by_z):
-            at: Literal["start", "end"] = "start" if side < 0 else "end"
-            kind: Literal["web", "flange"] = "web" if plane.by_y else "flange"
-            angle = getattr(part.cuts, f"{kind}_{at}")
-            yield bar_rules.CUT_DENIED.at(
-                part.cut_source(kind, at), kind=kind, found=f"{angle:g}", end=at,
-                expected="another line",
-            )  # fmt: skip
+            yield denied(part, (side, plane.by_y))
 
 
 def end_round(part: Part, bare: Shape, side: int, way: Around) -> EndLine:
     """An end that is there once round: where the wall reaches farthest, and outside."""
-    from shapely import LineString, bounds, intersection
-
     us = np.linspace(0.0, way.turn, ROUND_STEPS)
     across = [LineString([(-part.length, u), (2 * part.length, u)]) for u in us.tolist()]
     rows = [bounds(intersection(across, bare))[:, 0 if side < 0 else 2]]
     patch = way.legs[0].patch
-    for plane in (*header_planes(part), *planes_of(part, range(len(part.features)))):
+    for plane in (*header_planes(part), *own_planes(part, range(len(part.features)))):
         if plane.side == side:
             _, ys, zs = np.array([patch.point(0.0, u) for u in us.tolist()]).T
             rows.append(plane.x(ys, zs))

@@ -42,8 +42,7 @@ def as_pipe(part: Part) -> tuple[Part, Diagnostic | None]:
 
 
 def with_corners(part: Part, coper: Coper) -> tuple[Part, Diagnostic | None]:
-    """A rectangular tube whose corners are as round as the machine has them, if it does not say;
-    that is told."""
+    """A rectangular tube with corners as the machine has them, if it says none; and why."""
     profile = part.profile
     wall = max(profile.flange_thickness, profile.web_thickness or 0.0)
     radius = coper.outer_radius(profile.radius, wall)
@@ -72,7 +71,7 @@ def length_needed(part: Part, coper: Coper) -> float:
     return part.length + (0.0 if part.made is not None else 2 * coper.trim + coper.chuck)
 
 
-def told_of_stock(part: Part, given: Part, coper: Coper) -> Iterator[Diagnostic]:
+def stock_notes(part: Part, given: Part, coper: Coper) -> Iterator[Diagnostic]:
     """What is to be known of the bar that a part is cut from, or of the piece that comes cut."""
     code, turns = given.profile.code, coper.turns == "bar"
     at = "to Y-" if turns else "at Y 0"

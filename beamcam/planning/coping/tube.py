@@ -6,71 +6,57 @@ u  |   ( )     |  end    the middle of its lowest line towards v. What crosses u
 0  |___________|         taken once. The ends go all round, from the seam to the seam.
 """
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from math import degrees, hypot, inf, radians, tan
 
 from msgspec.structs import replace
+from shapely import box
 
 from beamcam.errors import Diagnostic, PlanError, errors_in
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import TorchRow
-from beamcam.model.part import Contour, EndPlane, Face, Feature, Part
-from beamcam.model.plan import CopeCut, CopeKind, CopePlan, Outcome, Piece
+from beamcam.model.part import Contour, EndPlane, Feature, Part
+from beamcam.model.plan import CopeCut, CopeKind, CopePlan
 from beamcam.model.surface import Around, around
-from beamcam.planning import rules as bar_rules
 from beamcam.planning.coping import rules
 from beamcam.planning.coping.box_tube import Unrolled, face_ends, unrolled
 from beamcam.planning.coping.chart import Chart
-from beamcam.planning.coping.cuts import ROUND, CutChain, borders_of, chains_of, led
+from beamcam.planning.coping.cuts import ROUND, Leads, borders_of, chains_of, no_room, over_hole
 from beamcam.planning.coping.ends import outermost
-from beamcam.planning.coping.regions import (
-    AROUND,
-    CHORD,
-    Shape,
-    WallRegion,
-    rounded,
-    told_rounded,
+from beamcam.planning.coping.features import (
+    LEAST_SLANT,
+    FeatureLedger,
+    has_bevels,
+    plan_of,
+    slant_notes,
+    sorted_features,
 )
+from beamcam.planning.coping.regions import AROUND, CHORD, WallRegion, rounded, rounded_notes
 from beamcam.planning.coping.round_tube import end_round, once_round
-from beamcam.planning.coping.stock import length_needed, told_of_stock
 from beamcam.planning.coping.tube_ends import several
 from beamcam.planning.coping.tube_pieces import (
     TubePiece,
     ends_there,
     holes_there,
-    led_from_air,
     open_paths,
+    path_from_air,
     paths_round,
-    planes_asked,
+    planes_refused,
     without_ends,
 )
-from beamcam.planning.coping.walls import PlannedWall, Sorted, sorted_features
+from beamcam.planning.coping.walls import PlannedWall
 from beamcam.planning.left_out import BEVEL
 from beamcam.planning.within import idle_planes
 
-
-def wedge_of(contour: Contour, wall: float, least_deg: float) -> float:
-    """mm that a square cut leaves before the farther surface of its bevelled edges, at most."""
-    return max(
-        (
-            max(0.0, wall - bevel.land) * tan(radians(min(abs(bevel.angle), 89.0)))
-            for bevel in contour.bevels
-            if abs(bevel.angle) >= least_deg
-        ),
-        default=0.0,
-    )
-
-
 LEAST = 1e-6  #: mm that a place may lie off a straight line and say nothing
-LEAST_SLANT = 0.5  #: mm that a square cut is off inside of a wall, and that are manual work
 
 
 def plan_tube(part: Part, machine: Machine, coper: Coper, skips: Collection[str]) -> CopePlan:
     """The work that cuts a tube from a bar. Raises PlanError as `plan_coping` does."""
-    found = sorted_features(part, machine, coper, skips)
-    if found.refusals:
-        raise PlanError(found.refusals)
+    ledger = sorted_features(part, machine, coper, skips)
+    if ledger.refusals:
+        raise PlanError(ledger.refusals)
     chart, profile = Chart(part, coper), part.profile
     wall = max(profile.thickness("v"), profile.flange_thickness)
     row = chart.row(wall)
@@ -80,70 +66,44 @@ def plan_tube(part: Part, machine: Machine, coper: Coper, skips: Collection[str]
     surface = PlannedWall("v", way.turn, wall, -inf, inf, ())
     piece = None
     if part.made is None:
-        once, diagnostics = _once_round(part, found.cut, way)
+        once, diagnostics = _once_round(part, ledger.cut, way)
     else:
-        once, piece, diagnostics = _left_of_piece(part, found.cut, way)
+        once, piece, diagnostics = _left_of_piece(part, ledger.cut, way)
         surface = replace(surface, open=piece.open)
     slant = {face: off for face, off in once.slant.items() if off >= LEAST_SLANT}
-    region, diagnostics = _laid_out(surface, once, part, coper, diagnostics)
+    region, more = _laid_out(surface, once, part, coper)
+    diagnostics += more
     cuts: list[CopeCut] = []
     if not errors_in(diagnostics):
-        cuts, more = _cuts(part, region, found, row, coper, way, piece)
+        cuts, more = _cuts(part, region, ledger, row, coper, way, piece)
         diagnostics += more
     if errors_in(diagnostics):
         raise PlanError(errors_in(diagnostics))
-    if not cuts:
-        raise PlanError(bar_rules.NO_WORK.at(part.source, machine=machine.name))
-    diagnostics += told_rounded(region, part.source)
-    if slant:
-        diagnostics.append(rules.SLANT.at(part.source, found=f"{max(slant.values()):.2f}",
-                                   faces=", ".join(slant)))  # fmt: skip
-    wedges = [(wedge_of(c, wall, coper.min_bevel), c.source) for c in part.contours]
+    diagnostics += rounded_notes(region, part.source)
+    diagnostics += slant_notes(part, slant)
+    # What a square cut leaves before the farther surface of a bevelled edge.
+    wedges = [
+        (max(0.0, wall - b.land) * tan(radians(min(abs(b.angle), 89.0))), c.source)
+        for c in part.contours for b in c.bevels if abs(b.angle) >= coper.min_bevel
+    ]  # fmt: skip
     deepest, source = max(wedges, key=lambda one: one[0], default=(0.0, part.source))
     if deepest >= LEAST_SLANT:
         diagnostics.append(rules.WEDGE.at(source, found=f"{deepest:.2f}", wall=f"{wall:g}"))
     diagnostics += _slow_axes(part, machine, row, way)
-    idle = dict(idle_planes(part, outermost(part)))
-    diagnostics += [*told_of_stock(part, part, coper), *found.told, *idle.values()]
-    outcomes = tuple(
-        replace(o, left=BEVEL) if o.how == "made" and is_slanted(part.features[o.feature[1]], slant)
-        else o
-        for o in outcomes_of(part, found, coper.min_bevel)
-    )  # fmt: skip
-    return CopePlan(
-        part.profile, (Piece(part, coper.trim),), length_needed(part, coper), tuple(cuts), outcomes,
-        tuple(diagnostics), min_bevel=coper.min_bevel,
-    )  # fmt: skip
+    ledger = replace(
+        ledger, notes=(*ledger.notes, *dict(idle_planes(part, outermost(part))).values())
+    )
 
+    def left(_: int, feature: Feature) -> str:
+        """Why what is cut is manual work too: bevels, a skew outline, a plane."""
+        is_left = has_bevels(feature, coper.min_bevel)
+        if isinstance(feature, EndPlane):
+            is_left = bool(slant)
+        elif isinstance(feature, Contour) and feature.kind == "outer":
+            is_left = is_left or feature.face in slant
+        return BEVEL if is_left else ""
 
-def outcomes_of(
-    part: Part, found: Sorted, least: float, made: Collection[int] = ()
-) -> Iterator[Outcome]:
-    """The outcome of each feature, in order; edges bevelled by `least` degrees are cut square, but
-    those of the features `made`."""
-    for index in range(len(part.features)):
-        if index in found.listed:
-            yield Outcome((0, index), "listed", found.listed[index])
-        elif index in found.skipped:
-            yield Outcome((0, index), "skipped", found.skipped[index].code)
-        elif index in found.within:
-            yield Outcome((0, index), "duplicate", found.within[index].code)
-        else:
-            bevelled = index not in made and has_bevels(part.features[index], least)
-            left = BEVEL if bevelled else ""
-            yield Outcome((0, index), "made", "cut", left)
-
-
-def has_bevels(feature: Feature, least: float) -> bool:
-    """Whether edges of a contour are bevelled by so many degrees."""
-    return isinstance(feature, Contour) and any(abs(b.angle) >= least for b in feature.bevels)
-
-
-def is_slanted(feature: Feature, slant: Mapping[Face, float]) -> bool:
-    """Whether a feature is an outline of a face that a square cut leaves skew, or a plane."""
-    if isinstance(feature, EndPlane):
-        return bool(slant)
-    return isinstance(feature, Contour) and feature.kind == "outer" and feature.face in slant
+    return plan_of(part, part, machine, ledger, cuts, diagnostics, left)
 
 
 def _slow_axes(part: Part, machine: Machine, row: TorchRow, way: Around) -> Iterator[Diagnostic]:
@@ -163,14 +123,12 @@ def _slow_axes(part: Part, machine: Machine, row: TorchRow, way: Around) -> Iter
 
 
 def _laid_out(
-    surface: PlannedWall, once: Unrolled, part: Part, coper: Coper, diagnostics: list[Diagnostic]
+    surface: PlannedWall, once: Unrolled, part: Part, coper: Coper
 ) -> tuple[WallRegion, list[Diagnostic]]:
     """What stays of the surface, its corners rounded, three times above itself.
 
     They are rounded on the turn from u 0 on, with as much beside it as their radius looks at.
     """
-    from shapely import box
-
     turn = surface.width
     beside = min(AROUND * coper.corner_radius, turn)
     low, _, high, _ = once.shape.bounds
@@ -181,7 +139,7 @@ def _laid_out(
         (x, u + k * turn) for x, u in on_turn for k in (-1, 0, 1)
         if -beside < u + k * turn < turn + beside
     ]  # fmt: skip
-    region, diagnostics = rounded(surface, near, there, part, coper, diagnostics)
+    region, diagnostics = rounded(WallRegion(surface, near, {}), there, part, coper)
     whole = region.shape.intersection(box(low, 0.0, high, turn))
     # Without places of a straight line at u 0.
     shape = several(whole, turn, range(3)).simplify(LEAST)
@@ -196,27 +154,25 @@ def _left_of_piece(
 
     Raises PlanError where what is there of it is not known.
     """
-    from shapely import box
-
     made = replace(part, features=ends_there(part))
     ends = range(len(made.features))
     bare, wrong = _once_round(made, ends, way)
     worn, more = _once_round(*holes_there(part), way)
-    if found := errors_in((*wrong, *more)):
-        raise PlanError([*dict.fromkeys(found)])
+    if ledger := errors_in((*wrong, *more)):
+        raise PlanError([*dict.fromkeys(ledger)])
     slant = hypot(*(max(bare.slant.get(f, 0.0) for f in pair) for pair in ("vh", "ou")))
-    asked = without_ends(part)
+    alone = without_ends(part)
     if part.profile.code == "M":
-        once, diagnostics = unrolled(asked, features, way, face_ends(made, ends, way))
+        once, diagnostics = unrolled(alone, features, way, face_ends(made, ends, way))
     else:
         lines = [end_round(made, bare.shape, side, way) for side in (-1, 1)]
-        once, diagnostics = once_round(asked, features, way, lines)
+        once, diagnostics = once_round(alone, features, way, lines)
     stays = replace(once, shape=once.shape.intersection(bare.shape))
     low, _, high, _ = bare.shape.bounds
     three = box(low, 0.0, high, 3 * way.turn)
     steel = several(bare.shape, way.turn, range(-1, 4)).intersection(three)
     gone = several(bare.shape.difference(worn.shape), way.turn, range(-1, 4))
-    return stays, TubePiece(steel, gone, slant), [*planes_asked(part), *diagnostics]
+    return stays, TubePiece(steel, gone, slant), [*planes_refused(part), *diagnostics]
 
 
 def _once_round(
@@ -228,8 +184,8 @@ def _once_round(
 
 
 def _cuts(
-    part: Part, region: WallRegion, found: Sorted, row: TorchRow, coper: Coper, tube: Around,
-    piece: TubePiece | None,
+    part: Part, region: WallRegion, ledger: FeatureLedger, row: TorchRow, coper: Coper,
+    tube: Around, piece: TubePiece | None,
 ) -> tuple[list[CopeCut], list[Diagnostic]]:  # fmt: skip
     """The cuts in order: what lies in the surface, the near end, the far end.
 
@@ -239,59 +195,41 @@ def _cuts(
     paths = paths_round(region.shape, half, piece) if piece else region.shape.buffer(half, ROUND)
     seam = wall.width + coper.seam * wall.width / 360.0
     cuts: list[CopeCut] = []
-    diagnostics: list[Diagnostic] = []
-    features = tuple((0, f) for f in found.cut)
-    source = part.features[found.cut[0]].source if found.cut else part.source
-    end = region.shape.bounds[2]
-    inside = replace(wall, low=0.0, high=3 * wall.width)
-    ends = [*_ends(paths, seam, wall)] if piece is None else []
+    faults: list[Diagnostic] = []
+    features = tuple((0, f) for f in ledger.cut)
+    source = part.features[ledger.cut[0]].source if ledger.cut else part.source
+    inside = replace(region, wall=replace(wall, low=0.0, high=3 * wall.width))
+    # The rings of cut-outs, each once: those that begin in the second turn.
+    chains = [
+        chain for chain in chains_of(paths, borders_of(wall, -CHORD, 3 * wall.width + CHORD, 0.0))
+        if not chain.start and wall.width <= min(u for _, u in chain.points) < 2 * wall.width
+    ]  # fmt: skip
     if piece is not None:
-        ends, diagnostics = open_paths(paths, region.shape, piece, row, wall.width, source)
-    for chain in (*_whole(paths, wall), *ends):
-        xs = [x for x, _ in chain.points]
+        ends, faults = open_paths(paths, region.shape, piece, row, wall.width, source)
+        chains += ends
+    else:  # the paths that go all round, from the seam of the second turn to that of the third
+        whole = chains_of(paths, borders_of(wall, seam, seam + wall.width, 0.0))
+        chains += [chain for chain in whole if {chain.start, chain.end} == {"low", "high"}]
+    for chain in chains:
         kind: CopeKind = "inner"
         if chain.start:
-            kind = "far" if max(xs) >= end else "near"
+            is_far = max(x for x, _ in chain.points) >= region.shape.bounds[2]
+            kind = "far" if is_far else "near"
         if piece is not None and chain.start:
-            way = led_from_air(chain, region.shape, piece, row, coper)
+            path = path_from_air(chain, region.shape, piece, row, coper)
         else:
-            way = led(chain, inside, region.shape, row, coper)
-        if way is None:
+            path = Leads(inside, row, coper).path(chain)
+        if path is None:
             x, u = chain.points[0]
-            diagnostics.append(
-                rules.NARROW.at(
-                    source, what="no room to pierce", x=f"{x:g}", y=f"{u % wall.width:g}",
-                    face=tube.face_at(u),
-                    expected=f"scrap {2 * row.pierce_radius:g} mm wide beside the contour",
-                )
-            )  # fmt: skip
+            faults.append(no_room(source, tube.face_at(u), (x, u % wall.width), row))
             continue
-        path = tuple((x, u - wall.width) for x, u in way.path)
-        face = tube.face_at(path[way.lead][1])
-        if (hole := wall.crossed(way.path[way.lead :], row.kerf)) is not None:
-            x, u = hole
-            diagnostics.append(
-                rules.OPEN.at(source, x=f"{x:.1f}", y=f"{u % wall.width:.1f}", face=face)
-            )
-        cuts.append(CopeCut(kind, face, path, way.lead, wall.thickness, row, features, source))
+        on_turn = tuple((x, u - wall.width) for x, u in path)
+        face = tube.face_at(on_turn[1][1])
+        faults += over_hole(wall, path[1:], row, face, source, wall.width)
+        cuts.append(CopeCut(kind, face, on_turn, 1, wall.thickness, row, features, source))
     order = ("inner", "near", "far")
     cuts.sort(key=lambda cut: (order.index(cut.kind), cut.path[0]))
     kinds = [cut.kind for cut in cuts]
     if part.made is None and (kinds.count("near") != 1 or kinds[-1] != "far"):
-        diagnostics.append(rules.OFF.at(source, what="no end that goes all round the tube"))
-    return cuts, diagnostics
-
-
-def _whole(paths: Shape, wall: PlannedWall) -> Iterator[CutChain]:
-    """The rings of cut-outs, each once: those that begin in the second turn."""
-    for chain in chains_of(paths, borders_of(wall, -CHORD, 3 * wall.width + CHORD, 0.0)):
-        low = min(u for _, u in chain.points)
-        if not chain.start and wall.width <= low < 2 * wall.width:
-            yield chain
-
-
-def _ends(paths: Shape, seam: float, wall: PlannedWall) -> Iterator[CutChain]:
-    """The paths that go all round, from the seam of the second turn to that of the third."""
-    for chain in chains_of(paths, borders_of(wall, seam, seam + wall.width, 0.0)):
-        if {chain.start, chain.end} == {"low", "high"}:
-            yield chain
+        faults.append(rules.OFF.at(source, what="no end that goes all round the tube"))
+    return cuts, faults

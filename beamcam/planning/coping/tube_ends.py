@@ -9,47 +9,35 @@ ____|_ /  \ _____     inside along another: of a round tube sines of u, the inne
 
 from collections.abc import Iterable, Sequence
 from math import atan2, ceil, hypot, pi, radians, sqrt, tan
-from typing import Any
+from typing import Literal
 
 import numpy as np
-from msgspec import Struct
+from shapely import Polygon, union_all
+from shapely.affinity import translate
 
+from beamcam.errors import Diagnostic
 from beamcam.geometry.array_types import Floats
 from beamcam.geometry.curves import Point
 from beamcam.model.part import EndPlane, Part
-from beamcam.model.surface import Around, Pair
+from beamcam.model.surface import Around
+from beamcam.planning import rules as bar_rules
+from beamcam.planning.coping.ends import SectionEnd
 from beamcam.planning.coping.regions import CHORD, Shape
 
 OVERLAP = 1e-4  #: mm by which patches overlap, so that they are one shape
 SKEW_DEG = 0.2  #: of an end; less is noise of a header
 
 
-class Plane(Struct, frozen=True):
-    """A skew end: x = at - y tan(web) - z tan(flange) in the section's axes."""
-
-    side: int  #: -1 where it ends the start of the part, 1 its end
-    at: float
-    by_y: float
-    by_z: float
-
-    def x(self, y: Any, z: Any) -> Any:
-        return self.at - self.by_y * y - self.by_z * z
-
-    def slant(self, normal: Pair, wall: float) -> float:
-        """mm along x that it goes on a way through a wall, square to that."""
-        return wall * abs(self.by_y * normal[0] + self.by_z * normal[1])
-
-
-def planes_of(part: Part, features: Iterable[int]) -> list[Plane]:
+def own_planes(part: Part, features: Iterable[int]) -> list[SectionEnd]:
     """The planes among some of a part's features that end it, each on its side."""
     cuts = [f for f in map(part.features.__getitem__, features) if isinstance(f, EndPlane)]
     return [
-        Plane(1 if a > 0.0 else -1, one.x(0.0, 0.0), b / a, c / a)
+        SectionEnd(1 if a > 0.0 else -1, one.x(0.0, 0.0), b / a, c / a)
         for one in cuts for a, b, c in (one.normal,)
     ]  # fmt: skip
 
 
-def line_of(plane: Plane, way: Around) -> Floats:
+def line_of(plane: SectionEnd, way: Around) -> Floats:
     """Rows of (x, s) once round the surface, along which the end of a plane is cut: outside or
     inside, where the wall reaches farthest."""
     rows: list[Point] = []
@@ -71,10 +59,8 @@ def line_of(plane: Plane, way: Around) -> Floats:
     return np.array(rows)
 
 
-def within(shape: Shape, planes: Sequence[Plane], way: Around) -> Shape:
+def within(shape: Shape, planes: Sequence[SectionEnd], way: Around) -> Shape:
     """What stays of a surface on one turn between its ends."""
-    from shapely import Polygon
-
     for plane in planes:
         xs, ss = line_of(plane, way).T
         x0, _, x1, _ = shape.bounds if not shape.is_empty else (0.0,) * 4
@@ -93,7 +79,7 @@ def header_slopes(part: Part, side: int) -> tuple[float, float]:
     both = (cuts.web_start, cuts.flange_start) if side < 0 else (cuts.web_end, cuts.flange_end)
     web, flange = (tan(radians(deg)) if abs(deg) > SKEW_DEG else 0.0 for deg in both)
     near = tan(radians(SKEW_DEG))
-    for one in planes_of(part, range(len(part.features))):
+    for one in own_planes(part, range(len(part.features))):
         if one.side == side and max(abs(one.by_y - web), abs(one.by_z - flange)) <= near * (
             1.0 + web**2 + flange**2
         ):
@@ -101,9 +87,17 @@ def header_slopes(part: Part, side: int) -> tuple[float, float]:
     return web, flange
 
 
+def denied(part: Part, plane: tuple[int, float]) -> Diagnostic:
+    """The error of an end that the header has otherwise than the outlines, by its side and its
+    slope along the web."""
+    at: Literal["start", "end"] = "start" if plane[0] < 0 else "end"
+    kind: Literal["web", "flange"] = "web" if plane[1] else "flange"
+    return bar_rules.CUT_DENIED.at(
+        part.cut_source(kind, at), kind=kind, found=f"{getattr(part.cuts, f'{kind}_{at}'):g}",
+        end=at, expected="another line",
+    )  # fmt: skip
+
+
 def several(once: Shape, turn: float, which: Iterable[int]) -> Shape:
     """What lies on one turn of the surface, on several."""
-    from shapely import union_all
-    from shapely.affinity import translate
-
     return union_all([translate(once, 0.0, k * turn) for k in which])

@@ -10,32 +10,43 @@ u  |  ______              outline on the end of the piece is that end, and no cu
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from math import dist
+from math import dist, inf
 
 import numpy as np
 from msgspec import Struct
 from msgspec.structs import replace
+from shapely import (
+    LineString,
+    Polygon,
+    get_coordinates,
+    intersection_all,
+    line_merge,
+    make_valid,
+    union_all,
+)
+from shapely import Point as Place
+from shapely.affinity import translate
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Floats
 from beamcam.geometry.curves import Point
 from beamcam.machine.coper import Coper
 from beamcam.machine.torch import TorchRow
-from beamcam.model.part import Contour, EndCuts, EndPlane, Feature, Hole, Part, Slot
+from beamcam.model.part import Contour, EndCuts, EndPlane, Feature, Part
 from beamcam.planning.coping import rules
 from beamcam.planning.coping.cuts import (
-    CHORDS,
     LEADS,
     MITRE,
     OF_PIECE,
     ROUND,
     SHARE_OVER,
-    SLACK,
     CutChain,
-    LeadPath,
+    Path,
+    gone_on,
+    is_clear,
     rings_of,
 )
-from beamcam.planning.coping.regions import ALONG, OUTLINE_NOISE, Shape
+from beamcam.planning.coping.regions import ALONG, OUTLINE_NOISE, Shape, is_through
 
 BEYOND = 100.0  #: mm that an outline goes on beyond an end that is there
 LEAST_RUN = 3.0  #: mm of an end that a border lies on, at least; what is shorter is a curve
@@ -71,18 +82,15 @@ class FaceEnds(Struct, frozen=True):
 
 def opened(shape: Shape, ends: Sequence[EndLine]) -> Shape:
     """A shape that goes on straight beyond the ends where its border lies on one of them."""
-    from shapely import Polygon, make_valid, union_all
-
     if shape.is_empty or not ends:
         return shape
-    polygons = [one for one in getattr(shape, "geoms", (shape,)) if one.geom_type == "Polygon"]
-    found = []
-    for one in polygons:
-        outer, *holes = (
-            _opened(np.array(ring.coords)[:-1], ends) for ring in (one.exterior, *one.interiors)
-        )
-        found.append(make_valid(Polygon(outer, holes)))
-    return union_all(found)
+    longer = []
+    for one in getattr(shape, "geoms", (shape,)):
+        if one.geom_type == "Polygon":
+            rings = (np.array(ring.coords)[:-1] for ring in (one.exterior, *one.interiors))
+            outer, *holes = (_opened(ring, ends) for ring in rings)
+            longer.append(make_valid(Polygon(outer, holes)))
+    return union_all(longer)
 
 
 def _opened(ring: Floats, ends: Sequence[EndLine]) -> list[Point]:
@@ -127,20 +135,13 @@ def _gone_on(before: Floats, last: Floats, end: EndLine) -> Point:
     return x, y
 
 
-def farthest_beyond(shape: Shape, ends: Sequence[EndLine]) -> float:
-    """mm that a shape goes on beyond the ends of the piece that it is drawn on."""
-    from shapely import get_coordinates
-
+def beyond_ends(shape: Shape, ends: Sequence[EndLine]) -> tuple[float, float]:
+    """mm that all of a shape lies beyond one of the ends that it is drawn on, and that any of it
+    does; below 0 on the piece."""
     places = get_coordinates(shape)
-    return max((float(np.min(end.off(places), axis=0).max()) for end in ends), default=0.0)
-
-
-def lies_beyond(shape: Shape, ends: Sequence[EndLine]) -> bool:
-    """Whether all of a shape lies beyond one of the ends."""
-    from shapely import get_coordinates
-
-    places = get_coordinates(shape)
-    return any(float(np.min(end.off(places), axis=0).min()) >= 0.0 for end in ends)
+    offs = [np.min(end.off(places), axis=0) for end in ends]
+    least = max((float(off.min()) for off in offs), default=-inf)
+    return least, max((float(off.max()) for off in offs), default=0.0)
 
 
 # --- the piece ------------------------------------------------------------------------------------
@@ -167,12 +168,9 @@ def _is_end(feature: Feature) -> bool:
 def holes_there(part: Part) -> tuple[Part, Sequence[int]]:
     """A tube with what is made of it as its features, and which of them go through its wall."""
     made = part.made or ()
-    through = [
-        k for k, f in enumerate(made)
-        if _is_end(f) or (isinstance(f, Hole | Slot) and f.kind != "mark" and f.depth is None)
-        or (isinstance(f, Contour) and f.kind == "inner" and f.process == "cut")
-    ]  # fmt: skip
-    return replace(part, features=made), through
+    return replace(part, features=made), [
+        k for k, f in enumerate(made) if _is_end(f) or is_through(f)
+    ]
 
 
 def without_ends(part: Part) -> Part:
@@ -180,7 +178,7 @@ def without_ends(part: Part) -> Part:
     return replace(part, cuts=EndCuts())
 
 
-def planes_asked(part: Part) -> Iterator[Diagnostic]:
+def planes_refused(part: Part) -> Iterator[Diagnostic]:
     """Errors for planes that are to end a tube that comes cut."""
     for feature in part.features:
         if isinstance(feature, EndPlane):
@@ -190,9 +188,6 @@ def planes_asked(part: Part) -> Iterator[Diagnostic]:
 def paths_round(shape: Shape, half_kerf: float, piece: TubePiece) -> Shape:
     """The region whose border a torch follows: round the part's corners at half a kerf; where an
     outline ends at the end of the piece it goes straight on beyond that."""
-    from shapely import intersection_all, union_all
-    from shapely.affinity import translate
-
     straight = shape.buffer(half_kerf, join_style="mitre", mitre_limit=MITRE)
     ways = half_kerf, -half_kerf
     inner = intersection_all([piece.steel, *(translate(piece.steel, way, 0.0) for way in ways)])
@@ -204,8 +199,6 @@ def open_paths(
 ) -> tuple[list[CutChain], list[Diagnostic]]:
     """The paths that begin and end beyond the ends of a piece, each once, and what is wrong with
     those that stay beside an end."""
-    from shapely import line_merge
-
     half = row.kerf / 2
     window = piece.steel.buffer(SHARE_OVER * half)
     low, _, high, _ = piece.steel.bounds
@@ -224,46 +217,33 @@ def open_paths(
             if max(us) - min(us) > 1.5 * turn:
                 wrong.append(rules.TUBE_END.at(source, what="an outline that takes all of an end"))
             elif turn <= min(us) < 2 * turn:
-                if (air := _in_air(one, piece.steel, row.kerf)) is not None:
+                off, ends = one.difference(piece.steel), one.boundary
+                air = next(  # where it goes on in the air for longer than an arc does
+                    (p.centroid.x for p in getattr(off, "geoms", (off,)) if p.length > (
+                        IN_AIR * row.kerf if p.distance(ends) <= ON else row.kerf / 2)),
+                    None,
+                )  # fmt: skip
+                if air is not None:
                     what = f"an outline that leaves too little to cut along the end at x {air:.1f}"
                     wrong.append(rules.TUBE_END.at(source, what=what))
                     continue
                 start, end = (OF_PIECE[2 * x > low + high] for x, _ in (places[0], places[-1]))
                 chain = CutChain(tuple(places), start, end)
-                chains.append(chain if _is_left(places, region) else chain.reversed())
+                # The region lies on the left of a path round it.
+                (xa, ya), (xb, yb) = max(pairwise(places), key=lambda pair: dist(*pair))
+                long, x, y = dist((xa, ya), (xb, yb)), (xa + xb) / 2, (ya + yb) / 2
+                nx, ny = (ya - yb) / long / 2, (xb - xa) / long / 2
+                left, right = (
+                    region.distance(Place(x + side * nx, y + side * ny)) for side in (1.0, -1.0)
+                )
+                chains.append(chain if left < right else chain.reversed())
     return chains, [*dict.fromkeys(wrong)]
 
 
-def _in_air(path: Shape, steel: Shape, kerf: float) -> float | None:
-    """The x at which a path goes on in the air for longer than an arc does; None if nowhere."""
-    off = path.difference(steel)
-    ends = path.boundary
-    for one in getattr(off, "geoms", (off,)):
-        if one.length > (IN_AIR * kerf if one.distance(ends) <= ON else kerf / 2):
-            return float(one.centroid.x)
-    return None
-
-
-def _is_left(places: Sequence[Point], region: Shape) -> bool:
-    """Whether a region lies on the left of a path round it."""
-    from shapely import Point as Place
-
-    (xa, ya), (xb, yb) = max(pairwise(places), key=lambda pair: dist(*pair))
-    x, y, nx, ny = (xa + xb) / 2, (ya + yb) / 2, (ya - yb) / 2, (xb - xa) / 2
-    long = dist((xa, ya), (xb, yb)) / 2
-    off = [region.distance(Place(x + s * nx / long, y + s * ny / long)) for s in (0.5, -0.5)]
-    return bool(off[0] < off[1])
-
-
-def led_from_air(
+def path_from_air(
     chain: CutChain, region: Shape, piece: TubePiece, row: TorchRow, coper: Coper
-) -> LeadPath | None:
-    """A path with its lead, from the end of the scrap beside it, where all of the wall is; None if
-    there is no room for one."""
-    from shapely import LineString
-    from shapely import Point as Place
-
-    half = row.kerf / 2
+) -> Path | None:
+    """A path with its lead, from the end of the scrap beside it; None without room."""
     low, _, high, _ = piece.steel.bounds
     for one in (chain, chain.reversed()):
         first, side = one.points[0], -1 if one.start == "near" else 1
@@ -274,15 +254,8 @@ def led_from_air(
                 if across.is_empty:
                     continue
                 x = across.bounds[0 if side < 0 else 2] - side * piece.slant
-                lead = LineString([(x, u), first])
-                if (
-                    lead.length <= coper.lead + piece.slant
-                    and region.distance(Place(x, u)) >= row.pierce_radius
-                    and region.distance(lead) >= CHORDS * half - SLACK
-                    and not piece.open.dwithin(lead, half)
+                if dist((x, u), first) <= coper.lead + piece.slant and is_clear(
+                    (x, u), first, region, row, piece.open
                 ):
-                    (xa, ya), (xb, yb) = one.points[-2:]
-                    longer = coper.over / (dist((xa, ya), (xb, yb)) or 1.0)
-                    beyond = xb + (xb - xa) * longer, yb + (yb - ya) * longer
-                    return LeadPath(((x, u), *one.points[:-1], beyond), 1)
+                    return gone_on(((x, u), *one.points), coper.over)
     return None

@@ -9,6 +9,8 @@ from math import cos, inf, radians
 
 from msgspec import Struct
 from msgspec.structs import replace
+from shapely import box
+from shapely.affinity import scale
 
 from beamcam.machine.torch import TorchRow
 from beamcam.model.plan import CopeKind
@@ -20,55 +22,42 @@ from beamcam.planning.coping.regions import BEYOND, WallRegion
 from beamcam.planning.coping.walls import EDGE, PlannedWall, over_lip
 
 
-class SeenRegion(Struct, frozen=True):
-    """A region as a torch sees it that is tilted along the bar: x is shorter by cos(B)."""
+class SeenPath(Struct, frozen=True):
+    """A path as a torch sees it that is tilted along the bar: x is shorter by cos(B)."""
 
+    chain: CutChain
+    row: TorchRow | None  #: None where none is deep enough
     region: WallRegion
     b_deg: float
     share: float  #: cos(B)
+    thickness: float  #: of what it cuts through
+    has_root: bool
 
 
-def tilts_of(wall: PlannedWall) -> dict[float, None]:
-    """The tilts at which a wall is cut, square first."""
-    return dict.fromkeys((0.0, *(line.b_deg for line in wall.skew if line)))
-
-
-def _seen(region: WallRegion, b_deg: float) -> SeenRegion:
-    """A region as a torch sees it."""
-    from shapely.affinity import scale
-
-    share, wall = cos(radians(b_deg)), region.wall
-    if not b_deg:
-        return SeenRegion(region, b_deg, 1.0)
-    lines = [
-        line and replace(line, at=line.at * share, slope=line.slope * share) for line in wall.skew
-    ]
-    shape = scale(region.shape, share, 1.0, origin=(0.0, 0.0))
-    wall = replace(wall, skew=(lines[0], lines[1]))
-    return SeenRegion(replace(region, shape=shape, wall=wall), b_deg, share)
-
-
-def chains_seen(
-    region: WallRegion, b_deg: float, chart: Chart
-) -> Iterator[tuple[CutChain, TorchRow | None, SeenRegion, float, bool]]:
-    """The paths at a tilt round a region, each with its row, what it cuts through, and whether with
-    a root.
+def paths_seen(region: WallRegion, chart: Chart) -> Iterator[SeenPath]:
+    """The paths round a region, square ones first.
 
     A path through a root runs as far off the part as its own, wider kerf asks for. A flange with a
     lip is cut by two paths, of which one goes through the lip.
     """
-    yield from _chains_on(region, b_deg, chart)
-    if region.wall.lip:
-        yield from _chains_on(replace(region, wall=over_lip(region.wall)), b_deg, chart)
+    for b_deg in dict.fromkeys((0.0, *(line.b_deg for line in region.wall.skew if line))):
+        yield from _paths_on(region, b_deg, chart)
+        if region.wall.lip:
+            yield from _paths_on(replace(region, wall=over_lip(region.wall)), b_deg, chart)
 
 
-def _chains_on(
-    region: WallRegion, b_deg: float, chart: Chart
-) -> Iterator[tuple[CutChain, TorchRow | None, SeenRegion, float, bool]]:
-    seen = _seen(region, b_deg)
-    region, wall = seen.region, seen.region.wall
-    shallow = wall.thickness / seen.share
-    deep = (wall.root_depth or wall.thickness + wall.fillets) / seen.share
+def _paths_on(region: WallRegion, b_deg: float, chart: Chart) -> Iterator[SeenPath]:
+    share, wall = cos(radians(b_deg)), region.wall
+    if b_deg:
+        start, end = (
+            line and replace(line, at=line.at * share, slope=line.slope * share)
+            for line in wall.skew
+        )
+        wall = replace(wall, skew=(start, end))
+        shape = scale(region.shape, share, 1.0, origin=(0.0, 0.0))
+        region = replace(region, shape=shape, wall=wall)
+    shallow = wall.thickness / share
+    deep = (wall.root_depth or wall.thickness + wall.fillets) / share
     ways = [*dict.fromkeys(one for _, one in ways_beside(region))]
     levels = [(one, None) for one in dict.fromkeys((shallow, deep))]
     for thickness, beside in (*levels, *((depth_beside(wall, one), one) for one in ways)):
@@ -85,11 +74,12 @@ def _chains_on(
                 nearest = min(ways, key=lambda one: (one.crosses != own.crosses,
                                                      abs(one.gap - own.gap)))  # fmt: skip
                 if nearest == beside and not b_deg:
-                    yield chain, row, seen, thickness, own.crosses
+                    yield SeenPath(chain, row, region, b_deg, share, thickness, own.crosses)
             elif beside is not None:
                 continue
             elif tilted == b_deg and (rooted == (thickness == deep) or shallow == deep):
-                yield chain, row, seen, thickness, rooted and bool(wall.root_depth)
+                has_root = rooted and bool(wall.root_depth)
+                yield SeenPath(chain, row, region, b_deg, share, thickness, has_root)
 
 
 def is_rooted(chain: CutChain, wall: PlannedWall) -> bool:
@@ -105,8 +95,6 @@ def is_rooted(chain: CutChain, wall: PlannedWall) -> bool:
 
 def kind_of(chain: CutChain, region: WallRegion, kerf: float) -> CopeKind:
     """What a path makes: what is inside, or at which end of its wall it is."""
-    from shapely import box
-
     if not chain.start:
         return "inner"
     shape, wall = region.shape, region.wall

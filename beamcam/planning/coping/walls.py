@@ -15,24 +15,16 @@ lies on its lips, its web up, which the torch sees from outside:
     '-   -'     its edges, which are round.
 """
 
-from collections.abc import Collection, Mapping, Sequence
 from math import inf, sqrt
 from typing import Any
 
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.errors import Diagnostic
 from beamcam.geometry.curves import Point
 from beamcam.machine.coper import Coper
-from beamcam.machine.machine import Machine
-from beamcam.model.part import Contour, EndPlane, Face, Feature, Hole, Part, Profile, Slot
-from beamcam.model.request import policy_on
-from beamcam.planning import rules as bar_rules
-from beamcam.planning.coping import rules
-from beamcam.planning.left_out import listed_by, refuse_mark
+from beamcam.model.part import Contour, Face, Feature, Part, Profile
 from beamcam.planning.turning import TURNS, turned
-from beamcam.planning.within import overlapping, within_larger
 
 #: Of a T about its length, so that its flange, in the file flat on the h side, stands at Y 0.
 ON_ITS_SIDE = next(t for t in TURNS if (t.swap, t.reverse_y, t.reverse_z) == (True, True, False))
@@ -54,6 +46,23 @@ class Root(Struct, frozen=True):
     inner: float = 0.0  #: on a web the y of the flange's inner surface
     stands: Point | None = None  #: on a flange the y between which the web itself does; not of a C
     radius: float = 0.0  #: on a flange that of the fillets
+
+    @property
+    def thick(self) -> float:
+        """Of a web, how thick the flange is."""
+        return self.inner - self.low if self.low == 0.0 else self.high - self.inner
+
+    def y(self, depth: float) -> float:
+        """Of a web, its y so far below the outside of the flange."""
+        return depth if self.low == 0.0 else self.high - depth
+
+    def band(self, near: float, far: float) -> tuple[float, float]:
+        """Of a web, its y from one depth to another."""
+        return min(self.y(near), self.y(far)), max(self.y(near), self.y(far))
+
+    def inside(self, depth: float) -> tuple[float, float]:
+        """The y of a web from the flange's inner surface to where a pass that is so deep ends."""
+        return self.band(self.thick + EDGE, max(self.high - self.low, depth - EDGE))
 
 
 class EndLine(Struct, frozen=True):
@@ -105,15 +114,6 @@ class PlannedWall(Struct, frozen=True):
         return (self.low == -inf and place[1] <= 0.0) or (
             self.high == inf and place[1] >= self.width
         )
-
-    def crossed(self, path: Sequence[Point], most: float) -> Point | None:
-        """A place where a path goes through a hole that is there, for more than `most` mm."""
-        from shapely import LineString
-
-        if self.open is None:
-            return None
-        over = self.open.intersection(LineString(path))
-        return (over.centroid.x, over.centroid.y) if over.length > most else None
 
 
 def web_back(profile: Profile) -> float:
@@ -198,96 +198,3 @@ def over_lip(flange: PlannedWall) -> PlannedWall:
         flange, low=-inf, high=flange.low + LAP, roots=(), root_depth=0.0,
         thickness=flange.lip_depth,
     )  # fmt: skip
-
-
-class Sorted(Struct, frozen=True):
-    """Features by their indices in the part."""
-
-    cut: tuple[int, ...]
-    listed: dict[int, str]  #: why they are manual work
-    skipped: dict[int, Diagnostic]  #: why they are left out, which is allowed
-    refusals: tuple[Diagnostic, ...]
-    within: dict[int, Diagnostic]  #: in larger openings
-    told: tuple[Diagnostic, ...]  #: of openings in and over others
-
-
-def sorted_features(
-    part: Part, machine: Machine, coper: Coper, skips: Collection[str],
-    idle: Mapping[int, Diagnostic] = {},
-) -> Sorted:  # fmt: skip
-    """What becomes of each feature; `skips` are the kinds that may be left out, `idle` planes that
-    take nothing."""
-    cut: list[int] = []
-    listed: dict[int, str] = {}
-    skipped: dict[int, Diagnostic] = {}
-    refusals: list[Diagnostic] = []
-    within = within_larger(part)
-    for f, feature in enumerate(part.features):
-        diagnostic: Diagnostic | None
-        if f in within or f in idle:
-            continue
-        if policy_on(feature, machine.marks) is not None:
-            why = listed_by(feature, machine.marks)
-            diagnostic = refuse_mark(feature, machine.marks) or _unmarked(feature)
-            if why is not None:
-                listed[f] = why
-                continue
-        else:
-            diagnostic = _refusal(feature, part.profile, coper)
-            if diagnostic is None:
-                cut.append(f)
-                continue
-        if diagnostic.code.removeprefix("plan-") in skips:
-            skipped[f] = diagnostic
-        else:
-            refusals.append(diagnostic)
-    told = (*idle.values(), *within.values(), *overlapping(part, within))
-    return Sorted(tuple(cut), listed, skipped, tuple(refusals), within, told)
-
-
-def _unmarked(mark: Feature) -> Diagnostic:
-    """The refusal of a mark that the machine file wants made, as no coper marks."""
-    return bar_rules.MARK.at(
-        mark.source, found="a mark", face=getattr(mark, "face", ""), why=bar_rules.no_unit("tool")
-    )
-
-
-def _refusal(feature: Feature, profile: Profile, coper: Coper) -> Diagnostic | None:
-    """Why a torch cannot make a feature wherever it is on its wall; None if it can."""
-    if isinstance(feature, EndPlane) and coper.unrolls(profile.code) and feature.normal[0]:
-        return None
-    if not isinstance(feature, Hole | Slot | Contour):
-        what = type(feature).__name__.lower()
-        return bar_rules.OTHER.at(feature.source, found=f"a feature of kind {what}")
-    faces = {"L": "vhu", "T": "vu", "RO": "v"}.get(profile.code, "vhou")
-    kind = type(feature).__name__.lower()
-    if feature.face not in faces:
-        expected = f"a face that the torch looks at: {', '.join(faces)}"
-        return bar_rules.NO_SPINDLE.at(
-            feature.source, kind=kind, found=feature.face, expected=expected
-        )
-    wall = profile.thickness(feature.face) or profile.flange_thickness
-    least = max(coper.min_hole, coper.min_hole_share * wall)
-    if isinstance(feature, Contour):
-        if feature.process != "cut" or feature.kind == "open" or not feature.closed:
-            return bar_rules.OTHER.at(feature.source, found="an open line to cut")
-        boxes = [curve.bbox for curve in feature.curves]
-        x, y = min(b[0] for b in boxes), min(b[1] for b in boxes)
-        size = min(max(b[2] for b in boxes) - x, max(b[3] for b in boxes) - y)
-        if feature.kind == "inner" and size < least:
-            return rules.NARROW.at(
-                feature.source, what=f"a cut-out of {size:g} mm", x=f"{x:g}", y=f"{y:g}",
-                face=feature.face, expected=f"one of at least {least:g} mm",
-            )  # fmt: skip
-        return None
-    expected = f"a through one of at least {least:g} mm, which the torch burns"
-    if feature.kind != "through" or feature.depth is not None or feature.diameter < least:
-        if isinstance(feature, Slot):
-            return bar_rules.SLOT.at(
-                feature.source, found=f"{feature.diameter:g}", face=feature.face, expected=expected
-            )
-        return bar_rules.NO_TOOL.at(
-            feature.source, kind=feature.kind, found=f"{feature.diameter:g}", face=feature.face,
-            expected=expected,
-        )  # fmt: skip
-    return None

@@ -11,9 +11,10 @@ from shapely import Point
 
 import beamcam
 from beamcam.checks.coping import verify_coping
+from beamcam.checks.coping.chart import job_of
+from beamcam.checks.coping.required_wall import required_on
 from beamcam.checks.coping.section import CoperSection, TubeSection
 from beamcam.checks.coping.stock import stock_of
-from beamcam.checks.coping.wanted import wanted_on
 from beamcam.errors import errors_in
 from beamcam.geometry.curves import Arc
 from beamcam.machine import Machine, load
@@ -129,7 +130,9 @@ def test_the_steel_of_each_wall_is_the_same(name: str) -> None:
     section = CoperSection(part.profile)
     for face in section.faces:
         walls = [
-            wanted_on(p, face, section, COPER.coper, (), stock_of(p, section, COPER.coper)).cut
+            required_on(
+                job_of(p, COPER, ""), face, section, (), stock_of(p, section, COPER.coper)
+            ).cut
             for p in (part, back)
         ]
         off = walls[0].symmetric_difference(walls[1])

@@ -1,25 +1,30 @@
 """What has to stay of each wall of a part, worked out for the read-back alone."""
 
 from collections.abc import Collection, Sequence
-from functools import partial
 from itertools import pairwise
 from math import atan2, degrees, dist, hypot, inf, pi
 from typing import Any
 
 from msgspec import Struct
-
-from beamcam.checks.coping.section import CoperSection, areas_of, pieces_of
-from beamcam.checks.coping.skew import EndOnWall
-from beamcam.checks.coping.stock import (
-    DRAWN,
-    FINE,
-    WallStock,
-    inside_of,
-    outline_ring,
-    ring_of,
-    round_ring,
-    slot_ring,
+from shapely import (
+    GEOSException,
+    MultiPoint,
+    Polygon,
+    box,
+    distance,
+    get_coordinates,
+    line_merge,
+    points,
+    union_all,
 )
+from shapely import Point as Place
+from shapely.affinity import translate
+from shapely.ops import substring
+
+from beamcam.checks.coping.chart import CoperJob
+from beamcam.checks.coping.section import CoperSection, areas_of, pieces_of
+from beamcam.checks.coping.skew import DRAWN, EndOnWall
+from beamcam.checks.coping.stock import FINE, WallStock, inside_of, outline_ring, taken
 from beamcam.checks.job import is_manual_work
 from beamcam.geometry.curves import Curve
 from beamcam.geometry.plane import Point
@@ -55,21 +60,25 @@ class RequiredWall(Struct, frozen=True):
         """What may stay at most."""
         return self.cut if self.steps is None else self.steps
 
+    def grown(self, more: Shape, corners: list[Point], widest: float) -> "RequiredWall":
+        """With steel that ends in such corners, which a jet of the widest kerf leaves round."""
+        most, half = self.most.union(more), widest / 2
+        most = _joined(most, _at_corners(left_at(most, corners, half), corners, half))
+        drawn = areas_of(self.drawn.union(more))
+        return RequiredWall(drawn, self.cut.union(more), self.short, most)
 
-def wanted_on(
-    part: Part, face: str, section: CoperSection, coper: Coper, left: Collection[int],
-    stock: WallStock, ends: Sequence[EndOnWall] = (),
+
+def required_on(
+    job: CoperJob, face: str, section: CoperSection, left: Collection[int], stock: WallStock,
+    ends: Sequence[EndOnWall] = (),
 ) -> RequiredWall:  # fmt: skip
     """What has to stay of a wall; `left` are features that are not made, `ends` skew ends."""
-    from shapely import Point as Place
-    from shapely import Polygon, box, get_coordinates, union_all
-
-    wide = section.high if face == "v" else section.wide
+    part, wide = job.part, section.high if face == "v" else section.wide
     features = [
-        f for k, f in enumerate(part.features)
-        if k not in left and (getattr(f, "face", "") == face or (face, getattr(f, "face", "")) ==
-                              ("v", "h"))
-    ]  # fmt: skip
+        f
+        for k, f in enumerate(part.features)
+        if k not in left and getattr(f, "face", "").replace("h", "v") == face
+    ]
     outlines = [f for f in features if isinstance(f, Contour) and f.kind == "outer"]
     whole, short = stock.wall(face), 0.0
     # A plane through a round edge of the section ends a wall beyond that edge.
@@ -77,8 +86,8 @@ def wanted_on(
     first, last = (-FAR if -1 in sides else 0.0), (FAR if 1 in sides else part.length)
     drawn: Shape = whole if stock.is_piece else box(first, 0.0, last, wide)
     if outlines:
-        at_end = partial(_at_ends, ends) if ends else partial(stock.at_end, face)
-        rings = [outline_ring(one.curves, (0.0, wide), at_end) for one in outlines]
+        known = ends or (stock.ends[face] if stock.is_piece else ())
+        rings = (outline_ring(one.curves, (0.0, wide), known) for one in outlines)
         drawn = union_all([inside_of(ring) for ring in rings])
         drawn = drawn.intersection(box(-1e6, 0.0, 1e6, wide))
         if stock.is_piece:
@@ -95,16 +104,9 @@ def wanted_on(
     corners = [p for one in outlines for p in corners_of(one.curves, drawn)]
     bored = list[Shape]()  #: which have no corners, and take those that lie in them
     for feature in features:
-        if isinstance(feature, Hole):
-            ring = list(round_ring(feature.x, feature.y, feature.diameter / 2))
-        elif isinstance(feature, Slot):
-            ring = list(slot_ring(feature))
-        elif isinstance(feature, Contour) and feature.kind != "outer":
-            ring = ring_of(feature.curves)
-        else:
+        if isinstance(feature, Contour) and feature.kind == "outer":
             continue
-        gone = inside_of(ring)
-        gone = gone.convex_hull if isinstance(feature, Slot) else gone
+        gone = taken(feature)
         drawn = drawn.difference(gone)
         if isinstance(feature, Contour):
             corners += corners_of(feature.curves, drawn)
@@ -117,16 +119,10 @@ def wanted_on(
         (x, y) for x, y in corners
         if near[0] <= y <= near[1] and not holes.dwithin(Place(x, y), FINE)
     ]  # fmt: skip
-    cut = with_corners_cut(drawn, corners, coper.corner_radius)
+    cut = with_corners_cut(drawn, corners, job.coper.corner_radius)
     if corners and bored:
         cut = areas_of(cut.difference(holes))
     return RequiredWall(drawn, cut, short if short > DRAWN else 0.0)
-
-
-def _at_ends(ends: Sequence[EndOnWall], place: Point) -> Point:
-    for end in ends:
-        place = end.moved(place)
-    return place
 
 
 def with_corners_cut(drawn: Shape, corners: list[Point], radius: float, turn: float = 0.0) -> Shape:
@@ -135,9 +131,6 @@ def with_corners_cut(drawn: Shape, corners: list[Point], radius: float, turn: fl
 
     That of a tube goes on for a turn behind its own and before it; `corners` are those of one turn.
     """
-    from shapely import box, union_all
-    from shapely.affinity import translate
-
     turns = (-turn, 0.0, turn) if turn else (0.0,)
     beside = 2 * radius if turn else inf  # of its own turn; so far what a disc leaves reaches
     there = [(x, y + by) for x, y in corners for by in turns if -beside <= y + by <= turn + beside]
@@ -153,7 +146,17 @@ def with_corners_cut(drawn: Shape, corners: list[Point], radius: float, turn: fl
             seen.add(place)
             far = 5 * radius
             near = areas_of(drawn.intersection(box(x - far, y - far, x + far, y + far)))
-            room = _room(near, (x, y), radius)
+            least, room = (
+                0.0,
+                radius,
+            )  # between sides that lean a disc comes to lie much farther off
+            while room - least > FINE / 10:
+                middle = (least + room) / 2
+                if _cramped(near, left_at(near, [(x, y)], middle), [(x, y)], middle):
+                    room = middle
+                else:
+                    least = middle
+            room = least if least > FINE else radius
             added += _at_corners(left_at(near, [(x, y)], room), [(x, y)], room)
     if not turn:
         return _joined(drawn, added)
@@ -162,45 +165,27 @@ def with_corners_cut(drawn: Shape, corners: list[Point], radius: float, turn: fl
     return areas_of(union_all([drawn, *(translate(one, 0.0, by) for one in grown for by in turns)]))
 
 
-def _room(near: Shape, corner: Point, radius: float) -> float:
-    """The largest radius below another one with which a disc comes to both sides of a corner; that
-    itself where there is none."""
-    least, most = 0.0, radius
-    while most - least > FINE / 10:  # between sides that lean a disc comes to lie much farther off
-        middle = (least + most) / 2
-        if _cramped(near, left_at(near, [corner], middle), [corner], middle):
-            most = middle
-        else:
-            least = middle
-    return least if least > FINE else radius
-
-
 def _cramped(
     drawn: Shape, left: Sequence[Shape], corners: list[Point], radius: float
 ) -> list[Point]:
     """The corners at which what a disc leaves reaches farther than a corner of 60 degrees has it,
     or lies between two sides that face each other."""
-    from shapely import MultiPoint, distance, get_coordinates, points
-
-    found, slim, places = list[Point](), SLIM * radius / 2, points(corners)
+    cramped, slim, places = list[Point](), SLIM * radius / 2, points(corners)
     border = drawn.boundary
     for piece in left:
-        for core in pieces_of(piece.buffer(-slim).buffer(slim)):  # thin stretches join some
+        for core in pieces_of(piece.buffer(-slim).buffer(slim)):  # thin necks join some
             near = distance(core, places) <= 4 * slim
             mine = [corner for corner, is_near in zip(corners, near, strict=True) if is_near]
             if mine:
                 round_it = points(get_coordinates(core.segmentize(radius / 4)))
                 far = distance(MultiPoint(mine), round_it).max()
                 if far > SHARPEST * radius or _turns_beside(core.buffer(slim), border) > FACING_DEG:
-                    found += mine
-    return found
+                    cramped += mine
+    return cramped
 
 
 def _turns_beside(piece: Shape, border: Shape) -> float:
     """Degrees that a border turns at most beside a piece, from where that begins on."""
-    from shapely import get_coordinates, line_merge
-    from shapely.ops import substring
-
     beside, most = border.intersection(piece.buffer(FINE)), 0.0
     for line in pieces_of(line_merge(beside) if beside.geom_type == "MultiLineString" else beside):
         # Without its ends, where it goes on round the corners on which the disc rests.
@@ -214,8 +199,6 @@ def _turns_beside(piece: Shape, border: Shape) -> float:
 
 def left_at(drawn: Shape, corners: list[Point], radius: float) -> list[Shape]:
     """What a disc of a radius, rolled through the air, leaves at corners."""
-    from shapely import MultiPoint
-
     if drawn.is_empty or not corners:
         return []
     places = MultiPoint(corners)
@@ -229,32 +212,23 @@ def left_at(drawn: Shape, corners: list[Point], radius: float) -> list[Shape]:
     ]
 
 
-def with_round_corners(drawn: Shape, corners: list[Point], radius: float) -> Shape:
-    """A region and the steel that a disc of a radius, rolled through the air, leaves at corners."""
-    return _joined(drawn, _at_corners(left_at(drawn, corners, radius), corners, radius))
-
-
 def _at_corners(left: Sequence[Shape], corners: list[Point], radius: float) -> list[Shape]:
     """What of the pieces that a disc leaves is at corners.
 
     In a slot that narrows to its mouth the disc touches both sides and leaves steel beyond it too,
     joined where it touches to that at the floor.
     """
-    from shapely import MultiPoint, union_all
-
-    found, thin, places = list[Shape](), TOUCH * radius, MultiPoint(corners)
+    kept, thin, places = list[Shape](), TOUCH * radius, MultiPoint(corners)
     for piece in left:
         cores = pieces_of(piece.buffer(-thin).buffer(thin))
         beyond = [one.buffer(2 * thin) for one in cores if one.distance(places) > 4 * thin]
         is_split = len(beyond) < len(cores)
-        found.append(areas_of(piece.difference(union_all(beyond))) if is_split else piece)
-    return found
+        kept.append(areas_of(piece.difference(union_all(beyond))) if is_split else piece)
+    return kept
 
 
 def _joined(drawn: Shape, added: Sequence[Shape]) -> Shape:
     """A region and what is added to it, without cracks between them."""
-    from shapely import GEOSException, union_all
-
     if not added:
         return drawn
     try:
@@ -265,12 +239,10 @@ def _joined(drawn: Shape, added: Sequence[Shape]) -> Shape:
 
 def corners_of(curves: tuple[Curve, ...], steel: Shape) -> list[Point]:
     """Where a closed chain turns by more than CORNER_DEG with more steel than air round it."""
-    from shapely import box
-
     long = [curve for curve in curves if curve.length > FINE]
     points: list[Point] = []
     for k, after in enumerate(long):
-        (ax, ay), (bx, by) = _way(long[k - 1], 1.0), _way(after, 0.0)
+        (ax, ay), (bx, by) = long[k - 1].tangent(1.0), after.tangent(0.0)
         cross, dot = ax * by - ay * bx, ax * bx + ay * by
         if dot > 0.0 and degrees(abs(cross) / hypot(ax, ay) / hypot(bx, by)) <= CORNER_DEG:
             continue
@@ -281,22 +253,13 @@ def corners_of(curves: tuple[Curve, ...], steel: Shape) -> list[Point]:
     return points
 
 
-def _way(curve: Curve, t: float) -> Point:
-    a, b = (curve.point(t), curve.point(t + 1e-4)) if t == 0.0 else (
-        curve.point(t - 1e-4), curve.point(t))  # fmt: skip
-    return b[0] - a[0], b[1] - a[1]
-
-
 def may_be_left(part: Part, machine: Machine, coper: Coper, skips: Collection[str]) -> set[int]:
     """Features that the torch cannot make and that are allowed to be missing."""
-    found: set[int] = set()
-    for index, feature in enumerate(part.features):
-        if is_manual_work(feature, machine):
-            continue
-        kind = _kind(feature, part, coper)
-        if kind and kind in skips:
-            found.add(index)
-    return found
+    kinds = {
+        k: _kind(feature, part, coper) for k, feature in enumerate(part.features)
+        if not is_manual_work(feature, machine)
+    }  # fmt: skip
+    return {k for k, kind in kinds.items() if kind and kind in skips}
 
 
 def _kind(feature: object, part: Part, coper: Coper) -> str:
