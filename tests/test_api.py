@@ -273,7 +273,7 @@ def test_load_takes_tolerances_and_rows_of_a_map() -> None:
         ("plate-linuxcnc", {"lead": "spiral"}, "ask-value", "sheet.lead"),
         ("plate-linuxcnc", {"map": {"red": "burn"}}, "ask-value", "map"),
         ("beamline", {"tolerances": {"merge": -1}}, "ask-value", "tolerances"),
-        ("beamline", {"tolerances": {"same_tool": 2}}, "config-value", "tolerances.same_tool"),
+        ("beamline", {"tolerances": {"same_tool": 2}}, "ask-value", "tolerances"),
         ("plate-linuxcnc", {"kerf": 1e-4}, "plan-sheet-option", "a kerf of 0.0001 mm"),
         ("beamline", {"kerf": 1}, "plan-sheet-option", "beamline has no torch"),
         ("plate-linuxcnc", {"tolerances": {"merge": 1}}, "config-tolerance", "tolerances.merge"),

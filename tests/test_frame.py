@@ -118,4 +118,4 @@ def test_the_power_of_frames_marks_nothing() -> None:
     machine = load("laser-grbl")
     for power, mode in ((120.0, True), (10.0, False)):
         other = with_torch(machine, frame_power=power, laser_mode=mode)
-        assert "torch.frame_power" in {key for key, _, _ in torch_faults(other)}
+        assert "torch.frame_power" in {key for key, _ in torch_faults(other)}

@@ -258,9 +258,9 @@ def test_what_is_computed_is_not_read(tmp_path: Path) -> None:
 
 
 def outcome_of_crowd(contours: list[dict[str, Any]], machine: str, made: Path) -> Outcome:
-    """What comes of a part with these openings, and of half of them in far less than its calls.
+    """What comes of a part with these openings; half of them take more than a third of the calls.
 
-    Calls of functions are counted, which are the same on a busy machine.
+    Of quadratic work they would take a quarter. Calls are the same on a busy machine.
     """
     path, counts = made.with_suffix(".json"), list[int]()
     for some in (contours[: len(contours) // 2], contours):
@@ -272,7 +272,7 @@ def outcome_of_crowd(contours: list[dict[str, Any]], machine: str, made: Path) -
             outcome = call("post", path, "--machine", machine, "-o", made)
         finally:
             sys.setprofile(None)
-    assert counts[1] < 2.4 * counts[0], counts
+    assert counts[1] < 3 * counts[0], counts
     assert outcome.faults == []
     assert made.exists(), outcome.printed
     return outcome

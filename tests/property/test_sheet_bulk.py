@@ -29,12 +29,12 @@ numbers = st.decimals(-9999, 9999, places=4).map(lambda d: f"{d.normalize():f}")
 @given(st.lists(st.tuples(st.integers(0, 1), numbers, numbers), min_size=2, max_size=30))
 def test_numbers_are_read_as_python_reads_them(rows: list[tuple[int, str, str]]) -> None:
     text = "".join(f"G{motion} X{x} Y{y}\n" for motion, x, y in rows) + "M2\n"
-    found = scan(text)
-    assert found.lines == len(rows) + 1
+    plain, others, lines = scan(text)
+    assert lines == len(rows) + 1
     # The first move and the last line are left to be read one by one.
-    assert [line for line, _ in found.odd] == [1, len(rows) + 1]
-    assert found.plain.motion.tolist() == [motion for motion, _, _ in rows[1:]]
-    assert found.plain.end.tolist() == [[float(x), float(y)] for _, x, y in rows[1:]]
+    assert [line for line, _ in others] == [1, len(rows) + 1]
+    assert plain.motion.tolist() == [motion for motion, _, _ in rows[1:]]
+    assert plain.end.tolist() == [[float(x), float(y)] for _, x, y in rows[1:]]
 
 
 LINES = [
@@ -53,11 +53,11 @@ PLAIN = {
 @given(st.lists(st.sampled_from(LINES), min_size=1, max_size=30))
 def test_each_line_is_plain_or_odd(lines: list[str]) -> None:
     lines = ["G1 X0 Y0", *lines, "M2"]
-    found = scan("\n".join(lines) + "\n")
+    moves, others, _ = scan("\n".join(lines) + "\n")
     plain = [k for k, line in enumerate(lines, 1) if line in PLAIN and k > 1]
-    assert found.plain.line.tolist() == plain
+    assert moves.line.tolist() == plain
     rest = [k for k in range(1, len(lines) + 1) if k not in plain]
-    assert found.odd == [(k, lines[k - 1]) for k in rest]
+    assert others == [(k, lines[k - 1]) for k in rest]
 
 
 def unlike(text: str, machine: str, random: Random) -> str:

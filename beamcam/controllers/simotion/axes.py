@@ -74,6 +74,11 @@ class Axis:
         self.enabled = not self.error
         return 0 if self.enabled else 1
 
+    def reset(self) -> int:
+        """An error is acknowledged."""
+        self.error = False
+        return 0
+
     def go(self, position: float, velocity: float, up: float, down: float) -> None:
         """To a position."""
         self._end = position + self.origin

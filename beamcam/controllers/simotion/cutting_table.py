@@ -102,8 +102,7 @@ class CuttingTable:
         if name == "_ENABLEAXIS":
             return moved[0].enable()
         if name == "_RESETAXISERROR":
-            moved[0].error = False
-            return 0
+            return moved[0].reset()
         fit = all(axis.enabled and not axis.error for axis in moved)
         if not fit or not self._dynamics(values, line):
             return REFUSED

@@ -29,8 +29,7 @@ def start(table: World, name: str, values: Values) -> bool:
     """Start what a block asks of its axis; False if the axis refuses it."""
     axis: Axis = values["AXIS"]
     if name == _Reset.name:
-        axis.error = False
-        return True
+        return axis.reset() == 0
     if axis.error or not axis.enabled or (axis.held_by is not None and name != _Stop.name):
         return False
     if name in (_Stop.name, _Halt.name):

@@ -142,7 +142,7 @@ def test_tables_without_words_have_no_leads_of_holes() -> None:
     machine = load("table-simotion")
     assert machine.torch is not None
     other = replace(machine, torch=replace(machine.torch, hole_lead="middle", hole_overcut=2.0))
-    found = {key for key, _, _ in torch_faults(other)}
+    found = {key for key, _ in torch_faults(other)}
     assert {"torch.hole_lead", "torch.hole_overcut"} <= found
 
 

@@ -135,4 +135,4 @@ def test_a_table_that_has_no_spots_is_told(name: str) -> None:
     machine = load(name)
     assert machine.torch is not None
     other = replace(machine, torch=replace(machine.torch, drilled="spot"))
-    assert "torch.drilled" in {key for key, _, _ in torch_faults(other)}
+    assert "torch.drilled" in {key for key, _ in torch_faults(other)}
