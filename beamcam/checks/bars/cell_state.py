@@ -89,21 +89,22 @@ class CellState:
 
     def _values(self, switch: Switch, word: MWord) -> Values | None:
         """The word's parameters by what they carry; None, and a message, where one is missing."""
-        name, values = f"M{switch.number:02}", Values()
+        values: Values = {}
         for letter, field in word.fields:
             value = switch.words.get(letter)
             if value is None:
-                self.say(WORD, f"{name} without {letter}", f"{letter} with the {field}")
+                found = f"M{switch.number:02} without {letter}"
+                self.say(WORD, found, f"{letter} with the {field}")
                 return None
             before = self.section.get(field, value)
             if before != value and not isnan(before):
                 self.say(rules.SECTION, f"{value:g}", f"{before:g}, as before", what=field)
             if values.setdefault(field, value) != value:
                 expected = f"{values[field]:g}, the {field} a second time"
-                self.say(WORD, f"{letter}{value:g} behind {name}", expected)
+                self.say(WORD, f"{letter}{value:g} behind M{switch.number:02}", expected)
         if len(switch.words) > len(word.fields):
             for letter in switch.words.keys() - {letter for letter, _ in word.fields}:
-                self.say(WORD, f"{letter} behind {name}", "no such parameter")
+                self.say(WORD, f"{letter} behind M{switch.number:02}", "no such parameter")
         return values
 
     def _cool(self, switch: Switch, values: Values) -> None:
