@@ -170,7 +170,7 @@ def _sides(shape: Shape) -> tuple[float, float]:
     return min(one, other), max(one, other)
 
 
-SAME_AREA = 0.02  #: share by which a piece's area may differ that nobody asked for
+SAME_AREA = 0.02  #: share by which the area of a piece may differ that was not asked for
 QUARTERS = (0.0, 90.0, 180.0, 270.0)
 UPRIGHT = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0))
 

@@ -41,9 +41,7 @@ from beamcam.geometry.array_types import Counts, Flags, Floats
 # about no sample: each that is left out has no room beside it, measured from the contours.
 
 
-MARGIN = (
-    0.5  #: of `fine`, by which a rest is farther from the beam than the contour that it touches
-)
+MARGIN = 0.5  #: of `fine`, by which a rest is farther from the beam than its contour
 POLYGON = 3  #: of shapely's types
 QUADRANT = 16  #: chords of a quarter of a beam
 TOUCHING = 1e-3  #: mm between contours that bound one waste
