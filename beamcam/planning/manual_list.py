@@ -90,11 +90,12 @@ def _manual_row(part: Part, feature: Feature, why: str) -> ManualRow:
     place = ":".join(str(word) for word in words if word is not None)
     row: ManualRow = {
         "mark": part.mark, "profile": part.profile.name, "pieces": 1, "kind": "", "text": "",
-        "face": getattr(feature, "face", ""), "x": getattr(feature, "x", 0.0),
-        "y": getattr(feature, "y", 0.0), "angle": 0.0, "height": 0.0,
+        "face": getattr(feature, "face", ""), "x": 0.0, "y": 0.0, "angle": 0.0, "height": 0.0,
         "path": "", "why": why, "source": place,
         "size": "", "land": 0.0, "length": 0.0,
     }  # fmt: skip
+    if isinstance(feature, Hole | Slot | TextMark | Camber):
+        row["x"], row["y"] = feature.x, feature.y
     is_cut = isinstance(feature, Contour) and feature.process == "cut"
     match feature:
         case TextMark():

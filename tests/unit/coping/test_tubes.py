@@ -193,6 +193,12 @@ def test_bevels_are_cut_square_and_on_the_list_of_manual_work() -> None:
     program_of(part)  # the read-back has the same on its list
 
 
+def test_an_end_plane_is_manual_work_without_a_place() -> None:
+    (row,) = manual_rows(plan_coping((samples.sample("hip"),), load("tube-linuxcnc")))
+    assert {type(value) for value in row.values()} <= {str, int, float}
+    assert (row["face"], row["x"], row["y"], row["why"]) == ("", 0.0, 0.0, "bevel")
+
+
 def test_a_slot_that_opens_the_whole_tube_leaves_no_end() -> None:
     along = outline("v", [(-5.0, 100.0), (505.0, 100.0), (505.0, 140.0), (-5.0, 140.0)], "inner")
     with pytest.raises(PlanError, match="no end that goes all round"):
