@@ -11,7 +11,7 @@ from math import dist, hypot, inf
 from msgspec import Struct
 
 from beamcam.checks import rules
-from beamcam.checks.bars.pieces import Ends, LaidPart
+from beamcam.checks.bars.pieces import Ends, LaidPart, RequiredEnd
 from beamcam.checks.bars.stations import Cut, MachinedFeatures, lip_length, wall_between
 from beamcam.checks.bars.targets import (
     PLAIN_KINDS,
@@ -118,20 +118,22 @@ class FaceBounds(Struct, frozen=True, gc=False):
     width: float
     walls: tuple[Wall, ...]  #: that stand on the wall behind the face
     sunk: bool  #: whether the face lies behind the outermost steel
-    #: Each surface of the wall at each end: name and side of that, x at y 0, lean, and slant.
-    ends: tuple[tuple[str, int, float, float, float], ...]
+    #: Each surface of the wall at each end: the end, x at y 0, the lean along y, and its slant.
+    ends: tuple[tuple[RequiredEnd, float, float, float], ...]
 
 
 def _bounds_of(face: Face, profile: Profile, ends: Ends) -> FaceBounds:
-    on_web, wall = face in ("v", "h"), wall_between(profile, face)
     limits = []
     for end in ends:
-        lean = end.tan_web if on_web else end.tan_flange
-        for x in end.at_wall(face, 0.0, wall):
-            limits.append((end.name, end.side, x, lean, hypot(1.0, lean)))
+        lean, through = end.tan_web, end.tan_flange
+        if face in ("o", "u"):
+            lean, through = through, lean
+        slant = hypot(1.0, lean)
+        surfaces = wall_between(profile, face) if through else (0.0,)  # both are one
+        limits += [(end, end.x_0 - across * through, lean, slant) for across in surfaces]
     return FaceBounds(
-        profile.face_width(face), walls_beside(profile, face), bool(profile.face_depth(face)),
-        tuple(dict.fromkeys(limits)),  # at a square end both surfaces are one
+        profile.face_width(face), walls_beside(profile, face), profile.face_depth(face) != 0.0,
+        tuple(limits),
     )  # fmt: skip
 
 
@@ -240,7 +242,7 @@ def _side_by_side(
         for k, shape in enumerate(shapes) if shape.hole is not None
     ]  # fmt: skip
     holes.sort()
-    widest = max((shape.radius for *_, shape in holes), default=0.0)
+    widest = max([shape.radius for shape in shapes], default=0.0)
     pairs = []
     for place, (face, x, k, one) in enumerate(holes, 1):
         farthest = x + one.radius + widest
@@ -255,11 +257,11 @@ def _side_by_side(
 
 def _beyond_end(shape: CornerCircles, bounds: FaceBounds, step: float) -> str:
     """By how much the circles reach beyond an end of the part, on either side of their wall."""
-    for name, side, x_0, lean, slant in bounds.ends:
+    for end, x_0, lean, slant in bounds.ends:
         for x, y in shape.centres:
-            beyond = side * (x - x_0 + y * lean) / slant + shape.radius
+            beyond = end.side * (x - x_0 + y * lean) / slant + shape.radius
             if beyond > step:
-                return f"{beyond:.3g} mm beyond the {name} of the part"
+                return f"{beyond:.3g} mm beyond the {end.name} of the part"
     return ""
 
 

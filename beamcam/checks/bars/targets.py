@@ -143,7 +143,7 @@ def _once(part: Part, tools: ToolCatalogue) -> Iterator[tuple[int, Feature]]:
     """The features, those made from the plate's other side there, holes written twice once."""
     works = {face for face in tools.faces if tools.works_on(face, part)}
     tolerance = tools.twice
-    seen: dict[tuple[Face, int], list[Hole]] = {}  # by the nearest millimetre of x
+    seen: dict[tuple[Face, int], list[Hole]] = {}  # by the millimetres of x that they are near to
     gone = needless(part)
     for f, feature in enumerate(part.features):
         if f in gone:
@@ -154,11 +154,11 @@ def _once(part: Part, tools: ToolCatalogue) -> Iterator[tuple[int, Feature]]:
         hole = feature if feature.face in works else from_behind(feature, part, tools)
         # Most x are whole millimetres, in the middle of their own.
         face, x = hole.face, hole.x + 0.5
-        low, high = floor(x - tolerance), floor(x + tolerance)
-        near = [h for place in range(low, high + 1) for h in seen.get((face, place), ())]
+        near = seen.get((face, floor(x)))
         if near and any(is_same(hole, other, tolerance) for other in near):
             continue
-        seen.setdefault((face, floor(x)), []).append(hole)
+        for place in range(floor(x - tolerance), floor(x + tolerance) + 1):
+            seen.setdefault((face, place), []).append(hole)
         yield f, hole
 
 
