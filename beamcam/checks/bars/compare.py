@@ -5,7 +5,6 @@ cuts -> pieces of bar -> parts;  holes, pockets and lines of each part -> what m
 
 from collections.abc import Collection, Iterable, Sequence
 from functools import cached_property
-from math import isnan
 from operator import attrgetter
 from typing import TYPE_CHECKING
 
@@ -136,8 +135,8 @@ class Comparison:
             "section": float(self.machine.sections.get(profile.code, -1)),
         }  # fmt: skip
         for what, value in self.made.section:
-            off = abs(value - expected[what])
-            if not isnan(value) and off > 0.75 * self.machine.format.resolution:
+            # A value that is not known is off by nothing that can be compared.
+            if abs(value - expected[what]) > 0.75 * self.machine.format.resolution:
                 found, shown = f"{value:g}", f"{expected[what]:g}"
                 self.say(rules.SECTION, Source(self.name), what=what, found=found, expected=shown)
 

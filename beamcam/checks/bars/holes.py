@@ -121,10 +121,10 @@ class HoleCheck:
         """The bores at a hole's place that are not taken."""
         x, target = required.x, required.target
         y, face, kind = target.y, target.face, target.kind.tool
-        x_reach, y_reach = self.slack, self.y_slack
-        loose = kind != "drill" or self.paired
-        if loose:
-            x_reach, y_reach = x_reach + self.merge, y_reach + self.merge
+        x_slack, y_slack = x_reach, y_reach = self.slack, self.y_slack
+        is_drilled = kind == "drill"
+        if not is_drilled or self.paired:
+            x_reach, y_reach = x_slack + self.merge, y_slack + self.merge
         near = []
         for place in range(floor(x + 0.5 - x_reach), floor(x + 0.5 + x_reach) + 1):
             for i in self.pockets.get((face, kind, place), ()):
@@ -132,9 +132,9 @@ class HoleCheck:
                 off_x, off_y = abs(bore.x - x), abs(bore.y - y)
                 if i in self.made or off_x > x_reach or off_y > y_reach:
                     continue
-                in_place = off_x <= self.slack and off_y <= self.y_slack
-                if not loose or kind != "drill" or i in self.paired or in_place:
-                    near.append(i)
+                if is_drilled and i not in self.paired and (off_x > x_slack or off_y > y_slack):
+                    continue
+                near.append(i)
         return near
 
     def _is_right(self, required: RequiredHole, bore: Bore) -> bool:

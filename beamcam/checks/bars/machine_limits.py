@@ -7,6 +7,7 @@ hole         in the finished part, clear of its other walls and of other holes
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from math import dist, hypot, inf
+from operator import attrgetter
 
 from msgspec import Struct
 
@@ -102,8 +103,8 @@ def reach_faults(
     for cut in cuts:
         off = abs(cut.angle - saw.zero_angle)
         rows = [row for row in saw.max_sections if off <= row.max_angle + 1e-6]
-        near = min(rows, key=lambda row: row.max_angle, default=None)
-        widest = near or max(saw.max_sections, key=lambda row: row.max_angle)
+        near = min(rows, key=attrgetter("max_angle"), default=None)
+        widest = near or max(saw.max_sections, key=attrgetter("max_angle"))
         if profile.height > widest.max_height or profile.width > widest.max_width:
             yield rules.SAW_REACH.at(
                 Source(name, cut.line), angle=f"{cut.angle:g}",
