@@ -112,10 +112,26 @@ class HoleCheck:
 
     def right(self, required: RequiredHole) -> int | None:
         """The bore that makes a hole rightly, of those not taken: the nearest in size."""
-        near = [i for i in self._near(required) if self._is_right(required, self.bores[i])]
-        if len(near) < 2:
-            return near[0] if near else None
-        return min(near, key=lambda i: self._unlike(required, self.bores[i]))
+        kind, fitting = required.target.kind, []
+        for i in self._near(required):
+            bore = self.bores[i]
+            diameter, depth = bore.diameter, bore.tip_depth
+            if not kind.least <= diameter <= kind.most:
+                continue
+            if diameter not in self.tools.sizes(kind.tool, bore.face):
+                continue
+            if kind.tool != "drill" and self._wrong_tool(kind, bore):
+                continue
+            thickness = wall_thickness(self.profile, bore.face)
+            reach = reach_of(kind, diameter, thickness, self.tools)
+            if depth < reach.least - self.slack:
+                continue
+            most = reach.greatest + self.slack
+            if depth <= most or depth <= self._reach(kind, bore).greatest + self.slack:
+                fitting.append(i)
+        if len(fitting) < 2:
+            return fitting[0] if fitting else None
+        return min(fitting, key=lambda i: self._unlike(required, self.bores[i]))
 
     def _near(self, required: RequiredHole) -> list[int]:
         """The bores at a hole's place that are not taken."""
@@ -136,23 +152,6 @@ class HoleCheck:
                     continue
                 near.append(i)
         return near
-
-    def _is_right(self, required: RequiredHole, bore: Bore) -> bool:
-        kind, diameter = required.target.kind, bore.diameter
-        if not kind.least <= diameter <= kind.most:
-            return False
-        if diameter not in self.tools.sizes(kind.tool, bore.face):
-            return False
-        if kind.tool != "drill" and self._wrong_tool(kind, bore):
-            return False
-        thickness = wall_thickness(self.profile, bore.face)
-        reach = reach_of(kind, diameter, thickness, self.tools)
-        if bore.tip_depth < reach.least - self.slack:
-            return False
-        return (
-            bore.tip_depth <= reach.greatest + self.slack
-            or bore.tip_depth <= self._reach(kind, bore).greatest + self.slack
-        )
 
     def _unlike(self, required: RequiredHole, bore: Bore) -> tuple[float, float]:
         off = abs(required.x - bore.x) + abs(required.target.y - bore.y)
