@@ -112,11 +112,11 @@ def _goes_with(one: Opening, other: Opening, regions: dict[int, Any]) -> bool:
 
 def _area_of(one: Opening) -> float:
     """mm2 of a hole or slot; of a cut-out 0, as it is measured only where another is near."""
-    if type(one) is Contour:
+    if isinstance(one, Hole):
+        return pi * (one.diameter / 2) ** 2
+    if isinstance(one, Contour):
         return 0.0
     r = one.diameter / 2
-    if type(one) is Hole:
-        return pi * r**2
     return pi * r**2 + one.diameter * (one.length + one.height) + one.length * one.height
 
 

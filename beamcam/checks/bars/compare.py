@@ -110,7 +110,9 @@ class Comparison:
             self._require(p, one)
         self._check_holes(parts)
         met: list[RequiredHole | RequiredPath] = [*self.holes.made.values()]
-        done = [(required.part, made.bores[i]) for i, required in self.holes.made.items()]
+        done: list[tuple[int, Work]] = [
+            (required.part, made.bores[i]) for i, required in self.holes.made.items()
+        ]
         if made.paths or self.required_paths:
             diagnostics, taken = check_paths(
                 made, self.required_paths, parts, self.tools, self.profile, name

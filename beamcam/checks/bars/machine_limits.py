@@ -156,9 +156,7 @@ def steel_faults(
                     break
         if found:
             yield _no_steel(shape, part.mark, found, "steel all round it")
-        elif lip and shape.face == "v" and (
-            low < lip - step or high > profile.height - lip + step
-        ):
+        elif lip and shape.face == "v" and (low < lip - step or high > profile.height - lip + step):
             yield _no_steel(shape, part.mark, f"behind a lip of {lip:.3g} mm", "room for the tool")
     for one, other in _overlapping(shapes, machine, step):
         yield _no_steel(other, part.mark, *_apart(one, other))
