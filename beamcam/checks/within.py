@@ -1,6 +1,6 @@
 """Openings that no tool has to make, as all of their steel goes with a larger one."""
 
-from math import atan2, cos, pi, radians, sin
+from math import atan2, cos, floor, pi, radians, sin
 from typing import Any
 
 from beamcam.geometry.plane import Box
@@ -12,6 +12,8 @@ SAG = 0.01  #: mm from a chord to its curve
 FAR = 80.0  #: mm, side of the squares by which openings are found
 LARGEST = 2e4  #: mm of a side of an opening; a larger one is in no sheet
 WAYS = 144  #: directions in which two are compared
+ROUND = (Hole, Slot)
+KINDS = ("through", "blind", "countersink")  #: of those, all but marks and threads
 
 
 Opening = Hole | Slot | Contour
@@ -22,44 +24,41 @@ def needless(part: Part) -> frozenset[int]:
     every: list[tuple[int, Any]] = [*enumerate(part.features)]
     every += [(-1, one) for one in part.made or ()]
     openings = [(k, one) for k, one in every if _is_opening(one)]
-    if len({_size(one) for _, one in openings}) < 2:
+    cut_outs = [one for _, one in openings if type(one) is Contour]
+    areas = [_area_of(one) for _, one in openings]
+    enough = min(areas, default=0.0) + LESS  #: mm2 of one that another may be in
+    if not cut_outs and max(areas, default=0.0) < enough:
         return frozenset()
     boxes = [(k, one, _box(one)) for k, one in openings]
     pieces = [
         (one.face, _box(one)) for _, one in every
         if isinstance(one, Contour) and one.kind == "outer"
-    ] if any(isinstance(one, Contour) for _, one in openings) else []  # fmt: skip
+    ] if cut_outs else []  # fmt: skip
     voids: dict[tuple[Face, int, int], list[tuple[Opening, Box]]] = {}
-    for _, one, box in boxes:
-        if isinstance(one, Contour):
+    for (_, one, box), area in zip(boxes, areas, strict=True):
+        if type(one) is Contour:
             stays = any(face == one.face and _in(piece, box) for face, piece in pieces)
         else:
-            stays = one.kind != "through" or one.depth is not None
-        if stays or max(box[2] - box[0], box[3] - box[1]) > LARGEST:
-            continue  # something of the wall is in it, or it is in no sheet
-        for x in range(int(box[0] // FAR), int(box[2] // FAR) + 1):
-            for y in range(int(box[1] // FAR), int(box[3] // FAR) + 1):
+            stays = area < enough or one.kind != "through" or one.depth is not None
+        left, low, right, high = box
+        if stays or right - left > LARGEST or high - low > LARGEST:
+            continue  # nothing is in it, or something of the wall, or it is in no sheet
+        for x in range(floor(left / FAR), floor(right / FAR) + 1):
+            for y in range(floor(low / FAR), floor(high / FAR) + 1):
                 voids.setdefault((one.face, x, y), []).append((one, box))
-    within, areas = [], dict[int, Any]()  # areas by identity: in a crowd each is asked for often
+    within, regions = [], dict[int, Any]()  # by identity: in a crowd each is asked for often
     for k, one, box in boxes:
-        middle = int((box[0] + box[2]) / 2 // FAR), int((box[1] + box[3]) / 2 // FAR)
+        middle = floor((box[0] + box[2]) / 2 / FAR), floor((box[1] + box[3]) / 2 / FAR)
         for other, around in voids.get((one.face, *middle), ()):
-            if other is not one and k >= 0 and _in(box, around) and _goes_with(one, other, areas):
+            if other is not one and k >= 0 and _in(box, around) and _goes_with(one, other, regions):
                 within.append(k)
     return frozenset(within)
 
 
 def _is_opening(one: Any) -> bool:
-    if isinstance(one, Contour):
+    if type(one) is Contour:
         return one.kind == "inner" and one.process == "cut" and one.closed
-    return isinstance(one, Hole | Slot) and one.kind in ("through", "blind", "countersink")
-
-
-def _size(one: Any) -> object:
-    """The same of two that are equally large; each cut-out is by itself."""
-    if isinstance(one, Contour):
-        return id(one)
-    return one.diameter, getattr(one, "length", 0.0), getattr(one, "height", 0.0)
+    return type(one) in ROUND and one.kind in KINDS
 
 
 def _box(one: Opening) -> Box:
@@ -90,7 +89,7 @@ def _reach(one: Hole | Slot, way_rad: float) -> float:
     return far
 
 
-def _goes_with(one: Opening, other: Opening, areas: dict[int, Any]) -> bool:
+def _goes_with(one: Opening, other: Opening, regions: dict[int, Any]) -> bool:
     """Whether an opening is smaller than another one and lies in it.
 
     Round and slotted ones are convex: the one lies in the other if in no direction it reaches
@@ -98,9 +97,9 @@ def _goes_with(one: Opening, other: Opening, areas: dict[int, Any]) -> bool:
     """
     if isinstance(one, Contour) or isinstance(other, Contour):
         for each in (one, other):
-            if id(each) not in areas:
-                areas[id(each)] = _area(each)
-        small, large = areas[id(one)], areas[id(other)]
+            if id(each) not in regions:
+                regions[id(each)] = _region(each)
+        small, large = regions[id(one)], regions[id(other)]
         less = bool(small.area + LESS <= large.area)
         return less and bool(small.difference(large.buffer(OFF)).is_empty)
     if _area_of(one) + LESS > _area_of(other):
@@ -111,14 +110,17 @@ def _goes_with(one: Opening, other: Opening, areas: dict[int, Any]) -> bool:
     return all(_reach(one, way) <= _reach(other, way) + OFF for way in ways)
 
 
-def _area_of(one: Hole | Slot) -> float:
-    r = one.diameter / 2
+def _area_of(one: Opening) -> float:
+    """mm2 of a hole or slot; of a cut-out 0, as it is measured only where another is near."""
     if isinstance(one, Hole):
-        return pi * r**2
+        return pi * (one.diameter / 2) ** 2
+    if isinstance(one, Contour):
+        return 0.0
+    r = one.diameter / 2
     return pi * r**2 + one.diameter * (one.length + one.height) + one.length * one.height
 
 
-def _area(one: Opening) -> Any:
+def _region(one: Opening) -> Any:
     """The region of an opening, of shapely."""
     from shapely import MultiPoint, Polygon, make_valid
 

@@ -3,9 +3,9 @@
 cuts -> pieces of bar -> parts;  holes, pockets and lines of each part -> what made them
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from functools import cached_property
-from math import isnan
+from operator import attrgetter
 from typing import TYPE_CHECKING
 
 from msgspec import Struct
@@ -108,17 +108,20 @@ class Comparison:
                 self.required_paths += (RequiredPath(p, target, from_x) for target in strokes)
                 self.diagnostics += diagnostics
             self._require(p, one)
-        done, shapes = self._check_holes(parts)
+        self._check_holes(parts)
+        met: list[RequiredHole | RequiredPath] = [*self.holes.made.values()]
+        done: list[tuple[int, Work]] = [
+            (required.part, made.bores[i]) for i, required in self.holes.made.items()
+        ]
         if made.paths or self.required_paths:
             diagnostics, taken = check_paths(
                 made, self.required_paths, parts, self.tools, self.profile, name
             )
             self.diagnostics += diagnostics
-            done += ((required.part, path) for path, required in taken)
-            shapes += ((required.part, shape_of(required.target)) for _, required in taken)
-        for p, one in enumerate(laid):
-            own = {s.feature: s for q, s in shapes if q == p and s is not None}
-            self.diagnostics += steel_faults(tuple(own.values()), one.part, one.ends, machine)
+            for path, required in taken:
+                met.append(required)
+                done.append((required.part, path))
+        self._check_steel(met)
         if texts is not None:
             done += texts.taken
         self.diagnostics += parting_faults(made, laid, done, self.cuts, machine, self.profile, name)
@@ -134,30 +137,36 @@ class Comparison:
             "section": float(self.machine.sections.get(profile.code, -1)),
         }  # fmt: skip
         for what, value in self.made.section:
-            off = abs(value - expected[what])
-            if not isnan(value) and off > 0.75 * self.machine.format.resolution:
+            # A value that is not known is off by nothing that can be compared.
+            if abs(value - expected[what]) > 0.75 * self.machine.format.resolution:
                 found, shown = f"{value:g}", f"{expected[what]:g}"
                 self.say(rules.SECTION, Source(self.name), what=what, found=found, expected=shown)
 
-    def _check_holes(
-        self, parts: Sequence[Part]
-    ) -> tuple[list[tuple[int, Work]], list[tuple[int, CornerCircles | None]]]:
-        """The work that makes holes, and their circles, each with its part; faults are reported."""
+    def _check_holes(self, parts: Sequence[Part]) -> None:
+        """Find the bores that make the holes; faults are reported."""
         holes = self.holes
         # A hole at the end of a slot is one of the part before it is one that a mill goes into.
-        unmade = holes.take(sorted(self.required_holes, key=lambda hole: hole.target.optional))
-        # A feature that may be missing is there wholly, or nothing of it is.
-        begun = {_feature(w) for w in holes.made.values() if not w.target.optional}
-        left = [w for w in unmade if _feature(w) not in self.optional or _feature(w) in begun]
+        unmade = holes.take(sorted(self.required_holes, key=attrgetter("target.optional")))
+        left = unmade
+        if self.optional:  # a feature that may be missing is there wholly, or nothing of it is
+            begun = {_feature(w) for w in holes.made.values() if not w.target.optional}
+            left = [w for w in unmade if _feature(w) not in self.optional or _feature(w) in begun]
+            gone = {_feature(w) for w in unmade if not w.target.optional}
+            self.missing |= gone - {_feature(w) for w in left}
         self.diagnostics += holes.complain(left, parts)
-        gone = {_feature(w) for w in unmade if not w.target.optional}
-        self.missing |= gone - {_feature(w) for w in left}
         for p in sorted({p for p, _ in self.missing}):
             features = {f for q, f in self.missing if q == p}
             twice = repeats(features, parts[p], self.tools)
             self.diagnostics += left_out(parts[p], {*features, *twice})
-        done: list[tuple[int, Work]] = [(w.part, holes.bores[i]) for i, w in holes.made.items()]
-        return done, [(w.part, shape_of(w.target)) for w in holes.made.values()]
+
+    def _check_steel(self, met: Iterable[RequiredHole | RequiredPath]) -> None:
+        """Report what of the holes and slots that are made has no steel all round."""
+        shapes: list[dict[int, CornerCircles]] = [{} for _ in self.laid]  #: of a part, by feature
+        for required in met:
+            if (shape := shape_of(required.target)) is not None:
+                shapes[required.part][shape.feature] = shape
+        for own, one in zip(shapes, self.laid, strict=True):
+            self.diagnostics += steel_faults(own.values(), one.part, one.ends, self.machine)
 
     def _require(self, p: int, one: LaidPart) -> None:
         """Add what a part on the bar requires; what the machine cannot make is reported."""

@@ -81,11 +81,10 @@ class HoleCheck:
         choices: dict[int, Choice], name: str,
     ) -> None:  # fmt: skip
         self.bores, self.tools, self.profile, self.name = bores, tools, profile, name
-        resolution = tools.machine.format.resolution
+        self.choices, resolution = choices, tools.machine.format.resolution
         self.merge = tools.drill.merge_tolerance
         #: A bore may be off by half a step, and so may the cut that its part starts at.
         self.slack, self.y_slack = resolution + 1e-6, 0.75 * resolution + 1e-6
-        self.stations = {s.face: s for choice in choices.values() for s in choice.stations}
         self.pockets: dict[tuple[str, str, int], list[int]] = {}
         self.paired: set[int] = set()  #: strokes of two spindles at once
         before = 0
@@ -93,7 +92,9 @@ class HoleCheck:
             if bore.line == before:
                 self.paired |= {i - 1, i}
             before = bore.line
-            self.pockets.setdefault((bore.face, bore.kind, floor(bore.x)), []).append(i)
+            # Most x are whole millimetres, in the middle of their own.
+            place = bore.face, bore.kind, floor(bore.x + 0.5)
+            self.pockets.setdefault(place, []).append(i)
         self.made: dict[int, RequiredHole] = {}  #: by the bore's index
 
     # Which bore makes which hole
@@ -111,46 +112,46 @@ class HoleCheck:
 
     def right(self, required: RequiredHole) -> int | None:
         """The bore that makes a hole rightly, of those not taken: the nearest in size."""
-        near = [i for i in self._near(required) if self._is_right(required, self.bores[i])]
-        if len(near) < 2:
-            return near[0] if near else None
-        return min(near, key=lambda i: self._unlike(required, self.bores[i]))
+        kind, fitting = required.target.kind, []
+        for i in self._near(required):
+            bore = self.bores[i]
+            diameter, depth = bore.diameter, bore.tip_depth
+            if not kind.least <= diameter <= kind.most:
+                continue
+            if diameter not in self.tools.sizes(kind.tool, bore.face):
+                continue
+            if kind.tool != "drill" and self._wrong_tool(kind, bore):
+                continue
+            thickness = wall_thickness(self.profile, bore.face)
+            reach = reach_of(kind, diameter, thickness, self.tools)
+            if depth < reach.least - self.slack:
+                continue
+            most = reach.greatest + self.slack
+            if depth <= most or depth <= self._reach(kind, bore).greatest + self.slack:
+                fitting.append(i)
+        if len(fitting) < 2:
+            return fitting[0] if fitting else None
+        return min(fitting, key=lambda i: self._unlike(required, self.bores[i]))
 
-    def _near(self, required: RequiredHole) -> Iterator[int]:
+    def _near(self, required: RequiredHole) -> list[int]:
         """The bores at a hole's place that are not taken."""
         x, target = required.x, required.target
-        kind = target.kind.tool
-        x_reach, y_reach = self.slack, self.y_slack
-        loose = kind != "drill" or self.paired
-        if loose:
-            x_reach, y_reach = x_reach + self.merge, y_reach + self.merge
-        low, high = floor(x - x_reach), floor(x + x_reach)
-        for key in (low,) if low == high else range(low, high + 1):
-            for i in self.pockets.get((target.face, kind, key), ()):
+        y, face, kind = target.y, target.face, target.kind.tool
+        x_slack, y_slack = x_reach, y_reach = self.slack, self.y_slack
+        is_drilled = kind == "drill"
+        if not is_drilled or self.paired:
+            x_reach, y_reach = x_slack + self.merge, y_slack + self.merge
+        near = []
+        for place in range(floor(x + 0.5 - x_reach), floor(x + 0.5 + x_reach) + 1):
+            for i in self.pockets.get((face, kind, place), ()):
                 bore = self.bores[i]
-                off_x, off_y = abs(bore.x - x), abs(bore.y - target.y)
+                off_x, off_y = abs(bore.x - x), abs(bore.y - y)
                 if i in self.made or off_x > x_reach or off_y > y_reach:
                     continue
-                in_place = off_x <= self.slack and off_y <= self.y_slack
-                if not loose or kind != "drill" or i in self.paired or in_place:
-                    yield i
-
-    def _is_right(self, required: RequiredHole, bore: Bore) -> bool:
-        kind, diameter = required.target.kind, bore.diameter
-        if not kind.least <= diameter <= kind.most:
-            return False
-        if diameter not in self.tools.sizes(kind.tool, bore.face):
-            return False
-        if kind.tool != "drill" and self._wrong_tool(kind, bore):
-            return False
-        thickness = wall_thickness(self.profile, bore.face)
-        reach = reach_of(kind, diameter, thickness, self.tools)
-        if bore.tip_depth < reach.least - self.slack:
-            return False
-        return (
-            bore.tip_depth <= reach.greatest + self.slack
-            or bore.tip_depth <= self._reach(kind, bore).greatest + self.slack
-        )
+                if is_drilled and i not in self.paired and (off_x > x_slack or off_y > y_slack):
+                    continue
+                near.append(i)
+        return near
 
     def _unlike(self, required: RequiredHole, bore: Bore) -> tuple[float, float]:
         off = abs(required.x - bore.x) + abs(required.target.y - bore.y)
@@ -163,7 +164,8 @@ class HoleCheck:
         if kind.hole.depth is not None or kind.tool not in ("drill", "tap"):
             return reach
         # The machine's own stroke may be the same for all holes.
-        station = self.stations[bore.face]
+        stations = (s for choice in self.choices.values() for s in choice.stations)
+        station = next(s for s in stations if s.face == bore.face)
         values = stroke_values(tools.machine, self.profile, bore.face)
         tip = tools.tip(bore.kind, bore.diameter, bore.face)
         values |= {"depth": thickness + tools.drill.breakthrough, "tip": tip, "y": bore.y}
@@ -193,7 +195,7 @@ class HoleCheck:
         for required in left:
             if required.target.optional:
                 continue
-            near = [*self._near(required)]
+            near = self._near(required)
             if not near:
                 far.append(required)
                 continue
@@ -236,7 +238,7 @@ class HoleCheck:
         for i in self.paired:
             if i in self.made:
                 by_line.setdefault(self.bores[i].line, []).append(self.made[i])
-        for i, required in list(self.made.items()):
+        for i, required in self.made.items():
             bore = self.bores[i]
             if abs(bore.x - required.x) <= slack and abs(bore.y - required.target.y) <= y_slack:
                 continue

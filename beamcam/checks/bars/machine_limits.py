@@ -5,13 +5,14 @@ cut          a turned blade reaches less far across
 hole         in the finished part, clear of its other walls and of other holes
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from math import dist, hypot, inf
+from operator import attrgetter
 
 from msgspec import Struct
 
 from beamcam.checks import rules
-from beamcam.checks.bars.pieces import Ends, LaidPart
+from beamcam.checks.bars.pieces import Ends, LaidPart, RequiredEnd
 from beamcam.checks.bars.stations import Cut, MachinedFeatures, lip_length, wall_between
 from beamcam.checks.bars.targets import (
     PLAIN_KINDS,
@@ -26,9 +27,10 @@ from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Layout, Machine
 from beamcam.machine.stations import Saw
 from beamcam.model.part import Face, Hole, Part, Profile
-from beamcam.model.section import walls_beside
+from beamcam.model.section import Wall, walls_beside
 
 TANGENT = 0.011  #: mm; holes are given to 0.01, so that those which touch may be off by it
+THROUGH = ("through", *THREADS)  #: kinds of hole that go through the wall where no depth is given
 
 
 class CornerCircles(Struct, frozen=True, gc=False):
@@ -39,29 +41,32 @@ class CornerCircles(Struct, frozen=True, gc=False):
     what: str
     centres: tuple[tuple[float, float], ...]
     radius: float
+    low: float  #: the least y of the circles
+    high: float  #: and their greatest
     through: bool
     source: Source
     hole: Hole | None  #: None of a slot
 
-    @property
-    def span(self) -> tuple[float, float]:
-        """Least and greatest y."""
-        ys = [y for _, y in self.centres]
-        return min(ys) - self.radius, max(ys) + self.radius
-
 
 def shape_of(target: Target) -> CornerCircles | None:
     """The circles of what was made; None of a line, and of a slot's end, which is in the slot."""
-    if isinstance(target, RequiredPocket):
-        source, what, centres = target.source, target.what, tuple(slot_corners(target.slot))
-        through = source.depth is None
-    elif isinstance(target, RequiredRound) and not target.optional:
-        source, what, centres = target.kind.hole, target.kind.what, ((target.x, target.y),)
-        through = source.depth is None and source.kind in ("through", *THREADS)
-    else:
+    if isinstance(target, RequiredRound):
+        if target.optional:
+            return None
+        hole, what, y = target.kind.hole, target.kind.what, target.y
+        radius = hole.diameter / 2
+        through = hole.depth is None and hole.kind in THROUGH
+        return CornerCircles(
+            target.feature, target.face, what, ((target.x, y),), radius, y - radius, y + radius,
+            through, hole.source, hole,
+        )  # fmt: skip
+    if not isinstance(target, RequiredPocket):
         return None
+    source, centres = target.source, tuple(slot_corners(target.slot))
+    ys, radius = [y for _, y in centres], source.diameter / 2
     return CornerCircles(
-        target.feature, target.face, what, centres, source.diameter / 2, through, source.source,
+        target.feature, target.face, target.what, centres, radius, min(ys) - radius,
+        max(ys) + radius, source.depth is None, source.source,
         source if isinstance(source, Hole) else None,
     )  # fmt: skip
 
@@ -98,8 +103,8 @@ def reach_faults(
     for cut in cuts:
         off = abs(cut.angle - saw.zero_angle)
         rows = [row for row in saw.max_sections if off <= row.max_angle + 1e-6]
-        near = min(rows, key=lambda row: row.max_angle, default=None)
-        widest = near or max(saw.max_sections, key=lambda row: row.max_angle)
+        near = min(rows, key=attrgetter("max_angle"), default=None)
+        widest = near or max(saw.max_sections, key=attrgetter("max_angle"))
         if profile.height > widest.max_height or profile.width > widest.max_width:
             yield rules.SAW_REACH.at(
                 Source(name, cut.line), angle=f"{cut.angle:g}",
@@ -108,24 +113,50 @@ def reach_faults(
             )  # fmt: skip
 
 
+class FaceBounds(Struct, frozen=True, gc=False):
+    """What bounds the holes of one face of a part."""
+
+    width: float
+    walls: tuple[Wall, ...]  #: that stand on the wall behind the face
+    sunk: bool  #: whether the face lies behind the outermost steel
+    #: Each surface of the wall at each end: the end, x at y 0, the lean along y, and its slant.
+    ends: tuple[tuple[RequiredEnd, float, float, float], ...]
+
+
+def _bounds_of(face: Face, profile: Profile, ends: Ends) -> FaceBounds:
+    limits = []
+    for end in ends:
+        lean, through = end.tan_web, end.tan_flange
+        if face in ("o", "u"):
+            lean, through = through, lean
+        slant = hypot(1.0, lean)
+        surfaces = wall_between(profile, face) if through else (0.0,)  # both are one
+        limits += [(end, end.x_0 - across * through, lean, slant) for across in surfaces]
+    return FaceBounds(
+        profile.face_width(face), walls_beside(profile, face), profile.face_depth(face) != 0.0,
+        tuple(limits),
+    )  # fmt: skip
+
+
 def steel_faults(
-    shapes: Sequence[CornerCircles], part: Part, ends: Ends, machine: Machine
+    shapes: Collection[CornerCircles], part: Part, ends: Ends, machine: Machine
 ) -> Iterator[Diagnostic]:
     """Holes and slots of a part, made as it has them, that have no steel all round."""
     step = machine.format.resolution + TANGENT
     profile, lip = part.profile, lip_length(part)
+    faces = {face: _bounds_of(face, profile, ends) for face in {shape.face for shape in shapes}}
     for shape in shapes:
-        face, (low, high) = shape.face, shape.span
-        found = _beyond_end(shape, profile, ends, step) or _beyond_edge(shape, profile, step)
+        low, high, bounds = shape.low, shape.high, faces[shape.face]
+        found = _beyond_end(shape, bounds, step) or _beyond_edge(shape, bounds.width, step)
         # A wall that the tool would run into: behind the face, or before it beside a sunk one.
-        if not found and (shape.through or profile.face_depth(face)):
-            for wall in walls_beside(profile, face):
+        if not found and (shape.through or bounds.sunk):
+            for wall in bounds.walls:
                 if high > wall.least + step and low < wall.greatest - step:
                     found = f"in the wall from y {wall.least:g} to {wall.greatest:g}"
                     break
         if found:
             yield _no_steel(shape, part.mark, found, "steel all round it")
-        elif face == "v" and lip and (low < lip - step or high > profile.height - lip + step):
+        elif lip and shape.face == "v" and (low < lip - step or high > profile.height - lip + step):
             yield _no_steel(shape, part.mark, f"behind a lip of {lip:.3g} mm", "room for the tool")
     for one, other in _overlapping(shapes, machine, step):
         yield _no_steel(other, part.mark, *_apart(one, other))
@@ -143,13 +174,15 @@ def bore_faults(
     shapes = [
         CornerCircles(
             k, bore.face, f"hole of {bore.diameter:g}", ((bore.x, bore.y),), bore.diameter / 2,
-            False, source, Hole(bore.face, bore.x, bore.y, bore.diameter, source),
+            bore.y - bore.diameter / 2, bore.y + bore.diameter / 2, False, source,
+            Hole(bore.face, bore.x, bore.y, bore.diameter, source),
         )
         for k, bore in enumerate(made.bores) if bore.kind == "drill"
         for source in [Source(name, bore.line)]
     ]  # fmt: skip
     for shape in shapes:
-        found = section.face_width(shape.face) and _beyond_edge(shape, section, step)
+        width = section.face_width(shape.face)
+        found = width and _beyond_edge(shape, width, step)
         for wall in walls_beside(section, shape.face):
             middle = (wall.least + wall.greatest) / 2
             if abs(shape.centres[0][1] - middle) < shape.radius - step and not found:
@@ -170,7 +203,7 @@ def bore_faults(
 
 
 def _overlapping(
-    shapes: Sequence[CornerCircles], machine: Machine, step: float
+    shapes: Collection[CornerCircles], machine: Machine, step: float
 ) -> Iterator[tuple[CornerCircles, CornerCircles]]:
     """Holes that meet, of two that are not one work about one middle."""
     near = machine.drill.merge_tolerance if machine.drill else 0.0
@@ -199,43 +232,41 @@ def _no_steel(shape: CornerCircles, mark: str, found: str, expected: str) -> Dia
     )  # fmt: skip
 
 
-def _side_by_side(shapes: Sequence[CornerCircles]) -> Iterator[tuple[CornerCircles, CornerCircles]]:
+def _side_by_side(
+    shapes: Collection[CornerCircles],
+) -> list[tuple[CornerCircles, CornerCircles]]:
     """Two holes of a face that may touch, in their order: those as near along the part."""
-    holes = [k for k, shape in enumerate(shapes) if shape.hole is not None]
-    holes.sort(key=lambda k: (shapes[k].face, shapes[k].centres[0][0]))
-    widest = max((shapes[k].radius for k in holes), default=0.0)
-    pairs: list[tuple[int, int]] = []
-    for place, k in enumerate(holes):
-        one = shapes[k]
-        for at in range(place + 1, len(holes)):
-            i = holes[at]
-            other = shapes[i]
-            if other.face != one.face:
+    holes = [
+        (shape.face, shape.centres[0][0], k, shape)
+        for k, shape in enumerate(shapes) if shape.hole is not None
+    ]  # fmt: skip
+    holes.sort()
+    widest = max([shape.radius for shape in shapes], default=0.0)
+    pairs = []
+    for place, (face, x, k, one) in enumerate(holes, 1):
+        farthest = x + one.radius + widest
+        for at in range(place, len(holes)):
+            other_face, other_x, i, other = holes[at]
+            if other_face != face or other_x > farthest:
                 break
-            if other.centres[0][0] - one.centres[0][0] > one.radius + widest:
-                break
-            pairs.append((min(k, i), max(k, i)))
-    return ((shapes[k], shapes[i]) for k, i in sorted(pairs))
+            pairs.append((k, i, one, other) if k < i else (i, k, other, one))
+    pairs.sort()
+    return [(one, other) for _, _, one, other in pairs]
 
 
-def _beyond_end(shape: CornerCircles, profile: Profile, ends: Ends, step: float) -> str:
+def _beyond_end(shape: CornerCircles, bounds: FaceBounds, step: float) -> str:
     """By how much the circles reach beyond an end of the part, on either side of their wall."""
-    on_web, wall = shape.face in ("v", "h"), wall_between(profile, shape.face)
-    for end in ends:
-        slant = hypot(1.0, end.tan_web if on_web else end.tan_flange)
-        for side in (0, 1):
-            for x, y in shape.centres:
-                limit = end.at_wall(shape.face, y, wall)[side]
-                left = -end.side * (x - limit) / slant - shape.radius
-                if left < -step:
-                    return f"{-left:.3g} mm beyond the {end.name} of the part"
+    for end, x_0, lean, slant in bounds.ends:
+        for x, y in shape.centres:
+            beyond = end.side * (x - x_0 + y * lean) / slant + shape.radius
+            if beyond > step:
+                return f"{beyond:.3g} mm beyond the {end.name} of the part"
     return ""
 
 
-def _beyond_edge(shape: CornerCircles, profile: Profile, step: float) -> str:
-    """By how much the circles reach beyond an edge of their face."""
-    low, high = shape.span
-    out = max(-low, high - profile.face_width(shape.face))
+def _beyond_edge(shape: CornerCircles, width: float, step: float) -> str:
+    """By how much the circles reach beyond an edge of a face of a width."""
+    out = max(-shape.low, shape.high - width)
     return f"{out:.3g} mm beyond the edge of the face" if out > step else ""
 
 

@@ -12,7 +12,7 @@ end plane          nothing, where it is the start or the end
 What nothing of the machine makes is a `Unmakeable`.
 """
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from math import cos, floor, hypot, inf, radians, sin, tan
 from typing import TypeVar
 
@@ -110,14 +110,15 @@ def targets_of(part: Part, ends: Ends, tools: ToolCatalogue) -> list[Target]:
     """Requirements of every feature of a part; duplicate holes count once."""
     kinds: dict[tuple[object, ...], RoundKind | None] = {}
     targets: list[Target] = []
-    for f, feature in _once(part, tools):
+    works = {face for face in tools.faces if tools.works_on(face, part)}
+    for f, feature in _once(part, works, tools):
         if type(feature) is Hole and feature.kind in PLAIN_KINDS:
             face, diameter = feature.face, feature.diameter
             key = face, diameter, feature.depth
             if key not in kinds:
                 kinds[key] = None
                 fitting, limits = tools.fits("drill", diameter, face), tools.fit(diameter)
-                if fitting and limits is not None and tools.works_on(face, part):
+                if fitting and limits is not None and face in works:
                     what = f"hole {diameter:g}"
                     kinds[key] = RoundKind("drill", what, *limits, fitting[0], feature)
             if (kind := kinds[key]) is not None:
@@ -139,11 +140,12 @@ def from_behind(hole: Either, part: Part, tools: ToolCatalogue) -> Either:
     return replace(hole, face=other) if through and other in tools.faces else hole
 
 
-def _once(part: Part, tools: ToolCatalogue) -> Iterator[tuple[int, Feature]]:
+def _once(
+    part: Part, works: Collection[Face], tools: ToolCatalogue
+) -> Iterator[tuple[int, Feature]]:
     """The features, those made from the plate's other side there, holes written twice once."""
-    works = {face for face in tools.faces if tools.works_on(face, part)}
     tolerance = tools.twice
-    seen: dict[tuple[Face, int], list[Hole]] = {}  # by the nearest millimetre of x
+    seen: dict[tuple[Face, int], list[Hole]] = {}  # by the millimetres of x that they are near to
     gone = needless(part)
     for f, feature in enumerate(part.features):
         if f in gone:
@@ -154,11 +156,11 @@ def _once(part: Part, tools: ToolCatalogue) -> Iterator[tuple[int, Feature]]:
         hole = feature if feature.face in works else from_behind(feature, part, tools)
         # Most x are whole millimetres, in the middle of their own.
         face, x = hole.face, hole.x + 0.5
-        low, high = floor(x - tolerance), floor(x + tolerance)
-        near = [h for place in range(low, high + 1) for h in seen.get((face, place), ())]
+        near = seen.get((face, floor(x)))
         if near and any(is_same(hole, other, tolerance) for other in near):
             continue
-        seen.setdefault((face, floor(x)), []).append(hole)
+        for place in range(floor(x - tolerance), floor(x + tolerance) + 1):
+            seen.setdefault((face, place), []).append(hole)
         yield f, hole
 
 

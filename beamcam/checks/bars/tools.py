@@ -45,6 +45,10 @@ class ToolCatalogue:
         self.sizes = cached("verify.sizes")(self._sizes)
         self.fits = cached("verify.fits")(self._fits)
         self.tip = cached("verify.tips")(self._tip)
+        under = drill.same_tool_tolerance if drill.never_under else inf
+        self.allowances = [
+            (row.up_to, min(row.minus, under) + 1e-6, row.plus + 1e-6) for row in drill.fits
+        ]
         self.twice = drill.duplicate_tolerance + 1e-9  #: holes nearer than this are one
 
     def of(self, kind: str, face: Face) -> Iterator[ToolSet]:
@@ -57,14 +61,9 @@ class ToolCatalogue:
 
     def fit(self, diameter: float) -> tuple[float, float] | None:
         """Minimum and maximum drill for a hole; None if the machine has no row for that size."""
-        for row in self.drill.fits:
-            if diameter <= row.up_to:
-                under = (
-                    min(row.minus, self.drill.same_tool_tolerance)
-                    if self.drill.never_under
-                    else row.minus
-                )
-                return diameter - under - 1e-6, diameter + row.plus + 1e-6
+        for up_to, under, over in self.allowances:
+            if diameter <= up_to:
+                return diameter - under, diameter + over
         return None
 
     def _fits(self, kind: str, diameter: float, face: Face) -> tuple[float, ...]:
