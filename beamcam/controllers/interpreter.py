@@ -8,7 +8,7 @@ that is not an M word, or the end, and are then carried out together.
 
 from abc import ABC, abstractmethod
 from bisect import bisect_left
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import atan2, degrees, dist, inf, isnan, nan
 from typing import Any, Protocol
 
@@ -137,8 +137,8 @@ class Interpreter(ABC):
         return words
 
     @abstractmethod
-    def line(self, line: int, text: str) -> None:
-        """Carries out a line of the text, as `lines_of` gives it."""
+    def lines(self, texts: Sequence[str], first: int = 1) -> None:
+        """Carries out lines that follow each other, as `lines_of` gives them, by their number."""
 
     @abstractmethod
     def _carry_out(self, line: int, motion: int, words: Words) -> None:

@@ -90,20 +90,21 @@ class CellState:
     def _values(self, switch: Switch, word: MWord) -> Values | None:
         """The word's parameters by what they carry; None, and a message, where one is missing."""
         values: Values = {}
+        words, section = switch.words, self.section
         for letter, field in word.fields:
-            value = switch.words.get(letter)
+            value = words.get(letter)
             if value is None:
                 found = f"M{switch.number:02} without {letter}"
                 self.say(WORD, found, f"{letter} with the {field}")
                 return None
-            before = self.section.get(field, value)
+            before = section.get(field, value)
             if before != value and not isnan(before):
                 self.say(rules.SECTION, f"{value:g}", f"{before:g}, as before", what=field)
             if values.setdefault(field, value) != value:
                 expected = f"{values[field]:g}, the {field} a second time"
                 self.say(WORD, f"{letter}{value:g} behind M{switch.number:02}", expected)
-        if len(switch.words) > len(word.fields):
-            for letter in switch.words.keys() - {letter for letter, _ in word.fields}:
+        if len(words) > len(word.fields):
+            for letter in words.keys() - {letter for letter, _ in word.fields}:
                 self.say(WORD, f"{letter} behind M{switch.number:02}", "no such parameter")
         return values
 

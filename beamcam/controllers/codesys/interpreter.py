@@ -16,7 +16,7 @@ online help, "CNC: DIN 66025", "Preprocessing" and "Shifting the Coordinate Syst
 """
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import sqrt
 
 from msgspec import Struct
@@ -148,13 +148,15 @@ class Codesys(Interpreter):
         """The lines of a text without their block numbers, which count for nothing."""
         return _LINE_BEGINS.split("\n" + text)[1:]
 
-    def line(self, line: int, text: str) -> None:
-        instruction = self._language.known.get(text) or self._read(line, text)
-        if instruction is None or (self._over and self.is_over(line)):
-            return
-        self._begun = True
-        carry_out, number, words = instruction
-        carry_out(self, line, number, words)
+    def lines(self, texts: Sequence[str], first: int = 1) -> None:
+        known = self._language.known
+        for line, text in enumerate(texts, first):
+            instruction = known.get(text) or self._read(line, text)
+            if instruction is None or (self._over and self.is_over(line)):
+                continue
+            self._begun = True
+            carry_out, number, words = instruction
+            carry_out(self, line, number, words)
 
     def _read(self, line: int, body: str) -> _Instruction | None:
         """A block that is not known; None for a text or no block, and with a message if invalid."""
