@@ -96,11 +96,11 @@ class Cell(CellState):
         self.feed_mm_min = move.feed_mm_min
         if not move.rapid and move.feed_mm_min <= 0 and self.dialect.feeds:
             self.say(rules.NO_FEED, "move")
-        if self.choice is None:
+        stations = self.stations
+        if not stations:
             if end[1:] != start[1:]:
                 self.say(rules.NO_SPINDLE, "a move of Y or Z")
             return
-        stations = self.choice.stations
         first = stations[0]
         across, stroke = end[first.across], end[first.stroke]
         if isnan(stroke + across):
@@ -192,15 +192,15 @@ class Cell(CellState):
         if cycle.kind == "tap":
             self._check_tap_feed(move, "in", self.pitch * self.speed_rpm or move.feed_mm_min)
             self.tapped_mm_min = move.feed_mm_min
-        run = self.data.run(cycle.kind, self.diameter, self.pitch)
-        if run is None:
+        permitted = self.permitted
+        if permitted is None:
             return
-        feed, most = move.feed_mm_min, run.most_feed
+        feed, most = move.feed_mm_min, permitted.most_feed
         if self.turning and self.speed_rpm:
             # Slower turns with the same feed load each cutting edge more.
-            most = min(most, run.most_per_turn * self.speed_rpm + 0.1)
-        if not run.min_feed <= feed <= most:
-            self.say_feed(feed, self.tool, run.own_feed, most)
+            most = min(most, permitted.most_per_turn * self.speed_rpm + 0.1)
+        if not permitted.min_feed <= feed <= most:
+            self.say_feed(feed, self.tool, permitted.own_feed, most)
 
     def _move_bar(self, x: float, follows_path: bool) -> None:
         name, least, greatest = self.limits.stop
@@ -316,8 +316,8 @@ class Cell(CellState):
         self.check_described()
         bore = Bore(
             self.line, station.face, self.x, tip.y, self.diameter, tip.depth,
-            self.choice.number if self.choice else 0, move.feed_mm_min, tip.stroke,
-            self.cycle.kind, self.turning, self.pitch, self.speed_rpm, before,
+            self.spindle, move.feed_mm_min, tip.stroke, self.cycle.kind, self.turning, self.pitch,
+            self.speed_rpm, before,
         )  # fmt: skip
         if self.peck == (self.x, tip.across):  # deeper in the same hole
             for index in range(len(self.order) - self.pecked, len(self.order)):
