@@ -74,7 +74,7 @@ CACHES = {
     "simotion.runtime": Bound(16, "the text is the same for every job of a machine"),
     "simotion.trial": Bound(16, "the text is run once with simulated axes, 50 ms"),
     "simotion.block": Bound(64, "the blocks of a runtime are compiled once, some milliseconds"),
-    "codesys.blocks": Bound(1024, "the programs of a job have many of their blocks in common"),
+    "codesys.blocks": Bound(4096, "the programs of a job have many of their blocks in common"),
     "controllers.blocks": Bound(16, "as many machines as a service runs"),
     "codesys.words": Bound(1024, "the blocks of a job have most of their words in common"),
     "controllers.dialects": Bound(16, "as many machines as a service runs"),
