@@ -70,12 +70,13 @@ class Lexer:
         for index, word_text in enumerate(bare.split()):
             word = known.get(word_text)
             if word is None:
-                word = self._read_word(word_text)
-                if isinstance(word, CodesysFault):
+                read = self._read_word(word_text)
+                if isinstance(read, CodesysFault):
                     if not index and word_text.startswith("/"):
                         expected = "a block that always runs; `/` leaves that to a switch"
                         return CodesysFault(text.strip(), expected)
-                    return word
+                    return read
+                word = read
             name, value = word
             if name not in "GMN":
                 if name in words:
