@@ -56,8 +56,7 @@ def cell_events(
     interpreter.record(events.append, events.append)
     lines = interpreter.lines_of(text.rstrip())
     interpreter.begin(len(lines))
-    for number, line in enumerate(lines, 1):
-        interpreter.line(number, line)
+    interpreter.lines(lines)
     interpreter.finish()
     return events, interpreter.diagnostics
 

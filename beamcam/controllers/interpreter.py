@@ -8,9 +8,11 @@ that is not an M word, or the end, and are then carried out together.
 
 from abc import ABC, abstractmethod
 from bisect import bisect_left
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import atan2, degrees, dist, inf, isnan, nan
 from typing import Any, Protocol
+
+from msgspec.structs import replace
 
 from beamcam.controllers.dialect import DOCUMENTED, Dialect
 from beamcam.controllers.events import Curve, Heights, Lettering, Move, Other, Pause, Place
@@ -78,6 +80,7 @@ class Interpreter(ABC):
         self._inverse = False  #: whether F is the inverse of a move's time (G93)
         self._feed = 0.0  #: in the unit of F words
         self._flat = len(dialect.axes) == 2  #: a table, whose head moves in X and Y
+        self._turns = len(dialect.axes) > 3  #: a torch round a profile, which has A, or A and B
         self._share = 1.0  #: of the feed, at which a table's head moves
         self._heights = Heights(dialect.lifting) if dialect.lifting is not None else None
         self._motion = -1
@@ -134,8 +137,8 @@ class Interpreter(ABC):
         return words
 
     @abstractmethod
-    def line(self, line: int, text: str) -> None:
-        """Carries out a line of the text, as `lines_of` gives it."""
+    def lines(self, texts: Sequence[str], first: int = 1) -> None:
+        """Carries out lines that follow each other, as `lines_of` gives them, by their number."""
 
     @abstractmethod
     def _carry_out(self, line: int, motion: int, words: Words) -> None:
@@ -269,20 +272,27 @@ class Interpreter(ABC):
         if self._flat:
             feed *= self._share
             self._add(Move(line, motion == 0, start[:2], end[:2], feed, own_feed, curve))
-            return
+        elif self._turns:
+            self._turn(Move(line, motion == 0, start, end, feed, own_feed, curve), words)
+        else:
+            self._add(Move(line, motion == 0, start, end, feed, own_feed, curve))
+
+    def _turn(self, move: Move[Place], words: Words) -> None:
+        """Hands on a move of a torch, with its A and B and the time that it may be given in."""
         a_before, b_before = self._a_deg, self._b_deg
         if "A" in words:
             self._a_deg = words["A"] + (0.0 if self._absolute else a_before)
         if "B" in words:
             self._b_deg = words["B"] + (0.0 if self._absolute else b_before)
         a_deg, b_deg, minutes = (a_before, self._a_deg), (b_before, self._b_deg), 0.0
-        if self._inverse and motion:
-            if not own_feed or not self._feed > 0.0:
-                self._wrong(line, "no F in that block", "one in each block of inverse time (G93)")
+        feed = move.feed_mm_min
+        if self._inverse and not move.rapid:
+            if not move.own_feed or not self._feed > 0.0:
+                expected = "one in each block of inverse time (G93)"
+                self._wrong(move.line, "no F in that block", expected)
                 return
             feed, minutes = 0.0, 1.0 / self._feed
-        move = Move(line, motion == 0, start, end, feed, own_feed, curve, minutes, a_deg, b_deg)
-        self._add(move)
+        self._add(replace(move, feed_mm_min=feed, minutes=minutes, a_deg=a_deg, b_deg=b_deg))
 
     def _is_lost(self, line: int, motion: int, start: Place, end: Place, words: Words) -> bool:
         """Whether a move leads from or to nowhere; says so.

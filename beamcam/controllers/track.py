@@ -184,7 +184,7 @@ def table_run(text: str, interpreter: Interpreter) -> tuple[TableRun, list[Diagn
     interpreter.begin(count)
     for number, line in odd:
         interpreter.plain_until(number)
-        interpreter.line(number, *interpreter.lines_of(line))
+        interpreter.lines(interpreter.lines_of(line), number)
     interpreter.finish()
     done, faults = track.finish(interpreter.arc_slack, interpreter.arc_fault)
     for number, fault in faults:

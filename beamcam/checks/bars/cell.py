@@ -52,15 +52,12 @@ class Cell(CellState):
         for event in events:
             self.line = event.line
             _TAKES[type(event)](self, event)
-        order = self.order
-        return MachinedFeatures(
-            tuple(self.section.items()),
-            tuple([one for one in order if type(one) is Cut]),
-            tuple([one for one in order if type(one) is Bore]),
-            tuple([one for one in order if type(one) is MachinedPath]),
-            tuple(order),
-            tuple([one for one in order if type(one) is StampedText]),
-        )
+        made: dict[type, list[Any]] = {Cut: [], Bore: [], MachinedPath: [], StampedText: []}
+        for one in self.order:
+            made[type(one)].append(one)
+        cuts, bores, paths, texts = map(tuple, made.values())
+        section = tuple(self.section.items())
+        return MachinedFeatures(section, cuts, bores, paths, tuple(self.order), texts)
 
     def _compensate(self, event: Compensation) -> None:
         if event.side != "on":
@@ -99,14 +96,14 @@ class Cell(CellState):
         self.feed_mm_min = move.feed_mm_min
         if not move.rapid and move.feed_mm_min <= 0 and self.dialect.feeds:
             self.say(rules.NO_FEED, "move")
-        if self.choice is None:
+        stations = self.stations
+        if not stations:
             if end[1:] != start[1:]:
                 self.say(rules.NO_SPINDLE, "a move of Y or Z")
             return
-        stations = self.choice.stations
         first = stations[0]
         across, stroke = end[first.across], end[first.stroke]
-        if isnan(stroke) or isnan(across):
+        if isnan(stroke + across):
             # A tool that goes where steel may be before its place across is known.
             is_new = end[first.stroke] != start[first.stroke] and not isnan(stroke)
             if is_new and first.tip(first.across_0, stroke).beside > EPSILON:
@@ -114,12 +111,13 @@ class Cell(CellState):
                 found = f"{axis} at {stroke:g} with {other} unknown"
                 self.say(WORD, found, f"{other} before, or {axis} free of the bar")
             return
-        before = self.at.get(first.number, NOWHERE)
+        at = self.at
+        before = at.get(first.number, NOWHERE)
         sideways = moved or across != before.across
         if not sideways and stroke == before.stroke:
             return
         for station in stations:
-            self.at[station.number] = station.tip(across, stroke)
+            at[station.number] = station.tip(across, stroke)
             for index, axis, least, greatest in station.limits:
                 if not least <= end[index] <= greatest:
                     self.say_beyond(axis, end[index], least, greatest)
@@ -133,19 +131,20 @@ class Cell(CellState):
     def _move_aside(self, move: Move[Place], first: Station, before: Tip, moved: bool) -> bool:
         """A move along or across the bar; whether nothing is left to be checked."""
         tip = self.at[first.number]
-        if tip.beside > EPSILON or before.beside > EPSILON:
-            if before.beside > EPSILON and self._follows_path(move):
+        inside, was_inside = tip.beside, before.beside
+        if inside > EPSILON or was_inside > EPSILON:
+            if was_inside > EPSILON and self._follows_path(move):
                 self._follow_path(move, first, tip)
                 return True
             letter = "X" if moved else AXES[first.across]
-            at = before.stroke if before.beside > tip.beside else tip.stroke
+            at = before.stroke if was_inside > inside else tip.stroke
             self.say_sideways(f"a move of {letter}", first, at)
             return True
         self.fed_from.clear()
         gap = first.retract_clearance
         least = gap - self.limits.step
-        if move.rapid and (-tip.beside < least or -before.beside < least):
-            nearest = tip.beside if isnan(before.beside) else max(tip.beside, before.beside)
+        if move.rapid and (-inside < least or -was_inside < least):
+            nearest = inside if isnan(was_inside) else max(inside, was_inside)
             self._say_too_close(first, -nearest, gap)
             return True
         return False
@@ -193,15 +192,15 @@ class Cell(CellState):
         if cycle.kind == "tap":
             self._check_tap_feed(move, "in", self.pitch * self.speed_rpm or move.feed_mm_min)
             self.tapped_mm_min = move.feed_mm_min
-        run = self.data.run(cycle.kind, self.diameter, self.pitch)
-        if run is None:
+        permitted = self.permitted
+        if permitted is None:
             return
-        feed, most = move.feed_mm_min, run.most_feed
+        feed, most = move.feed_mm_min, permitted.most_feed
         if self.turning and self.speed_rpm:
             # Slower turns with the same feed load each cutting edge more.
-            most = min(most, run.most_per_turn * self.speed_rpm + 0.1)
-        if not run.min_feed <= feed <= most:
-            self.say_feed(feed, self.tool, run.own_feed, most)
+            most = min(most, permitted.most_per_turn * self.speed_rpm + 0.1)
+        if not permitted.min_feed <= feed <= most:
+            self.say_feed(feed, self.tool, permitted.own_feed, most)
 
     def _move_bar(self, x: float, follows_path: bool) -> None:
         name, least, greatest = self.limits.stop
@@ -290,14 +289,14 @@ class Cell(CellState):
         elif not station.clear_from <= tip.y <= station.clear_to:  # through the flange's edge
             depth, gap = tip.beside, station.retract_clearance
         drilled = self._drilled(station, tip)
-        # Where it was fed as deep at the same place just before, it may go in rapid again.
-        x, across, fed = self.fed_to.get(station.number, (nan, nan, nan))
-        was_fed = (x, across) == (self.x, tip.across) and depth <= fed
         if depth > drilled + EPSILON:
             axis, shown = AXES[station.stroke], f"{depth:.3f}"
             self.say(rules.RAPID, f"{tip.stroke:g}", axis=axis, depth=shown)
-        elif not drilled and -depth < gap - self.limits.step and not was_fed:
-            self._say_too_close(station, -depth, station.approach_clearance)
+        elif not drilled and -depth < gap - self.limits.step:
+            # Where it was fed as deep at the same place just before, it may go in rapid again.
+            x, across, fed = self.fed_to.get(station.number, (nan, nan, nan))
+            if (x, across) != (self.x, tip.across) or depth > fed:
+                self._say_too_close(station, -depth, station.approach_clearance)
 
     def _drilled(self, station: Station, tip: Tip) -> float:
         """Current depth of the hole under the tool."""
@@ -317,8 +316,8 @@ class Cell(CellState):
         self.check_described()
         bore = Bore(
             self.line, station.face, self.x, tip.y, self.diameter, tip.depth,
-            self.choice.number if self.choice else 0, move.feed_mm_min, tip.stroke,
-            self.cycle.kind, self.turning, self.pitch, self.speed_rpm, before,
+            self.spindle, move.feed_mm_min, tip.stroke, self.cycle.kind, self.turning, self.pitch,
+            self.speed_rpm, before,
         )  # fmt: skip
         if self.peck == (self.x, tip.across):  # deeper in the same hole
             for index in range(len(self.order) - self.pecked, len(self.order)):

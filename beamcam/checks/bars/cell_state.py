@@ -22,9 +22,8 @@ from beamcam.checks.bars.stations import (
     Station,
     Thing,
     Tip,
-    limits_of,
 )
-from beamcam.checks.bars.tools import EPSILON, LEAST, CuttingData, limits_of_cell
+from beamcam.checks.bars.tools import EPSILON, LEAST, CuttingData, CuttingRange, limits_of_cell
 from beamcam.controllers.dialect import WORD, Cycle, Dialect, MWord, Role
 from beamcam.controllers.events import Lettering, Switch
 from beamcam.errors import Diagnostic, Rule, Source
@@ -51,10 +50,12 @@ class CellState:
         self.order: list[Thing] = []
         self.tools: list[Chosen | Changed] = []
         self.held: dict[tuple[int, float], tuple[str, float]] = {}  #: by spindle and station
-        self.choice: Choice | None = None
+        self.spindle = 0  #: the number of the choice
+        self.stations: tuple[Station, ...] = ()  #: of the choice; none where none is made
         self.diameter = 0.0
         self.cycle = _NO_CYCLE  #: of the tool that is chosen
         self.pitch = 0.0
+        self.permitted: CuttingRange | None = None  #: by the cutting data, of the tool
         self.tapped_mm_min = 0.0  #: feed of the tap into the steel
         self.turning = 0  #: the M word that started the spindle
         self.speed_rpm = 0.0  #: that it was started with; 0 where the program does not say
@@ -90,50 +91,55 @@ class CellState:
     def _values(self, switch: Switch, word: MWord) -> Values | None:
         """The word's parameters by what they carry; None, and a message, where one is missing."""
         values: Values = {}
+        words, section = switch.words, self.section
         for letter, field in word.fields:
-            value = switch.words.get(letter)
+            value = words.get(letter)
             if value is None:
                 found = f"M{switch.number:02} without {letter}"
                 self.say(WORD, found, f"{letter} with the {field}")
                 return None
-            before = self.section.get(field, value)
+            before = section.get(field, value)
             if before != value and not isnan(before):
                 self.say(rules.SECTION, f"{value:g}", f"{before:g}, as before", what=field)
             if values.setdefault(field, value) != value:
                 expected = f"{values[field]:g}, the {field} a second time"
                 self.say(WORD, f"{letter}{value:g} behind M{switch.number:02}", expected)
-        if len(switch.words) > len(word.fields):
-            for letter in switch.words.keys() - {letter for letter, _ in word.fields}:
+        if len(words) > len(word.fields):
+            for letter in words.keys() - {letter for letter, _ in word.fields}:
                 self.say(WORD, f"{letter} behind M{switch.number:02}", "no such parameter")
         return values
 
     def _cool(self, switch: Switch, values: Values) -> None:
-        self.cooling = self.dialect.m_words[switch.number].role == "coolant-on"
+        self.cooling = True
+
+    def _stop_cooling(self, switch: Switch, values: Values) -> None:
+        self.cooling = False
 
     def _describe(self, switch: Switch, values: Values) -> None:
         self.section.update(values)
         self.undescribed -= values.keys()
 
     def _set_pitch(self, switch: Switch, values: Values) -> None:
-        self.pitch = values.get("pitch", self.pitch)
+        if "pitch" in values:
+            self.pitch = values["pitch"]
+            self.permitted = self.data.run(self.cycle.kind, self.diameter, self.pitch)
 
     def _start(self, switch: Switch, values: Values) -> None:
         """A spindle that starts, or reverses."""
-        if self.choice is None:
+        if not self.stations:
             self.say(rules.NO_SPINDLE, "a spindle that starts")
         elif (
             self.turning not in (0, switch.number) and self.cycle.kind != "tap" and self.in_steel()
         ):
             self.say(rules.TURN, switch.number, self.cycle.turns)
         if not self.turning:
-            self.idle = self.choice is not None
+            self.idle = bool(self.stations)
         self.turning = switch.number
         self.speed_rpm = speed = values.get("speed", 0.0)
         drill = self.machine.drill
         if "speed" not in values or drill is None:
             return
-        run = self.data.run(self.cycle.kind, self.diameter, self.pitch)
-        most = drill.max_speed_rpm + 0.6 if run is None else run.most_speed
+        most = drill.max_speed_rpm + 0.6 if self.permitted is None else self.permitted.most_speed
         if not drill.min_speed_rpm - 0.6 <= speed <= most:
             limits = {"least": f"{drill.min_speed_rpm:g}", "greatest": f"{most:.0f}"}
             self.say(rules.SPEED, f"{speed:g}", what=self.tool, **limits)
@@ -156,19 +162,22 @@ class CellState:
         number = values.get("spindle", self.dialect.only_spindle)
         if number is None:
             number = nan
-        self.choice = self.choices.get(int(number)) if number == number // 1 else None
+        choice = self.choices.get(int(number)) if number == number // 1 else None
+        self.stations = () if choice is None else choice.stations
         self.peck = None
         self.diameter = self.dialect.size(values.get("diameter", 0.0))
         self.cycle = self.dialect.m_words[switch.number].cycle or _NO_CYCLE
         self.pitch = values.get("pitch", 0.0)
         if "tool" in values:
             self._choose_numbered(values)
-        if self.choice is None:
+        self.permitted = self.data.run(self.cycle.kind, self.diameter, self.pitch)
+        if choice is None:
             numbers = ", ".join(str(n) for n in self.choices)
             self.say(WORD, f"spindle {number:g}", f"one of {numbers}")
             return
+        self.spindle = choice.number
         tool = self.cycle.kind, self.diameter
-        self.tools.append(Chosen(self.line, self.choice.number, tool))
+        self.tools.append(Chosen(self.line, choice.number, tool))
         sizes = self.limits.tools.get(self.cycle.kind, ())
         if "diameter" in values and self.limits.tools and self.diameter not in sizes:
             expected = "and it has none of that kind"
@@ -176,7 +185,7 @@ class CellState:
                 expected = f"the nearest is {min(sizes, key=lambda d: abs(d - self.diameter)):g}"
             self.say(rules.NO_TOOL, self.tool, expected)
         if "station" in values:  # one of the spindle's, with no other tool in it
-            station, spindle = values["station"], self.choice.stations[0].number
+            station, spindle = values["station"], choice.stations[0].number
             count = next((s.stations for s in self.machine.spindles if s.number == spindle), 1)
             kind, size = self.held.setdefault((spindle, station), tool)
             expected = f"the {kind} {size:g} that stands there"
@@ -228,7 +237,7 @@ class CellState:
             own = saw.feed_mm_min
             if not LEAST * own <= feed <= own + 0.1:
                 self.say_feed(feed, "the saw", own, own + 0.1)
-        name, least, greatest = limits_of(self.machine, "angle")
+        name, least, greatest = self.limits.angle
         if not least <= angle <= greatest:
             self.say_beyond(name, angle, least, greatest)
         if isnan(self.x):
@@ -279,14 +288,14 @@ class CellState:
             self.say(rules.SPINDLE_ON, what)
         if self.cooling:
             self.say(rules.COOLANT, what, "off")
-        for station in self.choice.stations if self.choice is not None else ():
+        for station in self.stations:
             tip = self.at.get(station.number, NOWHERE)
             if tip.beside > EPSILON:  # where material may be beside it
                 self.say_sideways(what, station, tip.stroke)
 
     def in_steel(self) -> Station | None:
         """The first station of the choice whose tool is in the material behind its face."""
-        for station in self.choice.stations if self.choice is not None else ():
+        for station in self.stations:
             tip = self.at.get(station.number, NOWHERE)
             depth = tip.depth
             if not station.surface_known:
@@ -314,7 +323,7 @@ class CellState:
 
 _DOES: dict[Role, Callable[[CellState, Switch, Values], None]] = {
     "on": CellState._start, "off": CellState._stop, "coolant-on": CellState._cool,
-    "coolant-off": CellState._cool, "choose": CellState._choose, "change": CellState._change,
-    "saw": CellState._saw, "section": CellState._describe, "other": CellState._set_pitch,
-    "end": CellState._end,
+    "coolant-off": CellState._stop_cooling, "choose": CellState._choose,
+    "change": CellState._change, "saw": CellState._saw, "section": CellState._describe,
+    "other": CellState._set_pitch, "end": CellState._end,
 }  # fmt: skip

@@ -139,7 +139,7 @@ class Station(Struct, frozen=True):
     def tip(self, across: float, stroke: float) -> Tip:
         """The tip for places of both axes."""
         y = (across - self.across_0) / self.across_per_y
-        depth = self.tip_depth(stroke, y)
+        depth = self.way * (stroke - self.surface - self.surface_per_y * y)  # as `tip_depth`
         return Tip(across, stroke, y, depth, depth + self.face_depth)
 
 

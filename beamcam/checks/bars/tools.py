@@ -206,6 +206,7 @@ class CellLimits(Struct, frozen=True):
 
     max_pecks: dict[float, float]  #: how deep a drill of each size may be fed at once
     stop: tuple[str, float, float]  #: name, minimum and maximum of the axis along the bar
+    angle: tuple[str, float, float]  #: and of what turns the saw
     never_back: bool  #: whether the bar only goes on
     step: float  #: of written lengths, with some rounding
     per_minute: float  #: makes mm/min of a feed in a template's unit
@@ -225,6 +226,7 @@ def _limits(machine: Machine) -> CellLimits:
     return CellLimits(
         {size: peck for size, peck in pecks.items() if peck < inf},
         limits_of(machine, "X"),
+        limits_of(machine, "angle"),
         layout is not None and layout.order == "saw-drill",
         form.resolution + EPSILON,
         60.0 if form.feed_unit == "mm/s" else 1.0,

@@ -45,11 +45,7 @@ class CodesysFault(Struct, frozen=True):
     expected: str
 
 
-class Word(Struct, frozen=True, gc=False):
-    """One word, wherever it stands."""
-
-    name: str  #: its letter, or `BRAKING`
-    value: float
+Word = tuple[str, float]  #: its letter, or `BRAKING`, and its value, wherever it stands
 
 
 class Lexer:
@@ -69,20 +65,23 @@ class Lexer:
             if "(" in bare or ")" in bare:
                 expected = "a comment that begins and ends on its line, none in another"
                 return CodesysFault(text.strip(), expected)
-        command, number = "", 0
+        command, number, known = "", 0, self._known
         words: dict[str, float] = {}
         for index, word_text in enumerate(bare.split()):
-            word = self._known.get(word_text) or self._read_word(word_text)
-            if not isinstance(word, Word):
-                if not index and word_text.startswith("/"):
-                    expected = "a block that always runs; `/` leaves that to a switch"
-                    return CodesysFault(text.strip(), expected)
-                return word
-            name = word.name
+            word = known.get(word_text)
+            if word is None:
+                read = self._read_word(word_text)
+                if isinstance(read, CodesysFault):
+                    if not index and word_text.startswith("/"):
+                        expected = "a block that always runs; `/` leaves that to a switch"
+                        return CodesysFault(text.strip(), expected)
+                    return read
+                word = read
+            name, value = word
             if name not in "GMN":
                 if name in words:
                     return CodesysFault(word_text, f"{name} once in a block")
-                words[name] = word.value
+                words[name] = value
             elif name == "N":
                 if index:
                     return CodesysFault(word_text, "the block number at the beginning")
@@ -92,7 +91,7 @@ class Lexer:
             elif words:
                 return CodesysFault(word_text, "the command before the other words")
             else:
-                command, number = name, int(word.value)
+                command, number = name, int(value)
         return CodesysBlock(command, number, words) if command or words else None
 
     def _read_word(self, text: str) -> Word | CodesysFault:
@@ -106,7 +105,7 @@ class Lexer:
             return CodesysFault(text, f"a whole number behind {letter}")
         value = float(digits)
         name = BRAKING if letter == "E" and value < 0.0 else letter
-        return self._known.keep(text, Word(name, value))
+        return self._known.keep(text, (name, value))
 
 
 # --- curves ---------------------------------------------------------------------------------------

@@ -16,7 +16,7 @@ online help, "CNC: DIN 66025", "Preprocessing" and "Shifting the Coordinate Syst
 """
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import sqrt
 
 from msgspec import Struct
@@ -75,12 +75,8 @@ _NUMBERED = re.compile(r"[GM](\d+)(?![.\d])")  #: a key of [codes]
 _LINE_BEGINS = re.compile(r"\nN[0-9]+ |\n")
 
 
-class _Instruction(Struct, frozen=True):
-    """A block, and what of the interpreter carries it out at a line."""
-
-    carry_out: "Callable[[Codesys, int, int, Words], None]"
-    number: int  #: of its G or M
-    words: Words
+#: What of the interpreter carries a block out at a line, the number of its G or M, its words.
+_Instruction = tuple["Callable[[Codesys, int, int, Words], None]", int, Words]
 
 
 class _Language(Struct, frozen=True):
@@ -152,31 +148,33 @@ class Codesys(Interpreter):
         """The lines of a text without their block numbers, which count for nothing."""
         return _LINE_BEGINS.split("\n" + text)[1:]
 
-    def line(self, line: int, text: str) -> None:
-        instruction = self._language.known.get(text) or self._read(line, text)
-        if instruction is None or (self._over and self.is_over(line)):
-            return
-        self._begun = True
-        instruction.carry_out(self, line, instruction.number, instruction.words)
+    def lines(self, texts: Sequence[str], first: int = 1) -> None:
+        known = self._language.known
+        for line, text in enumerate(texts, first):
+            instruction = known.get(text) or self._read(line, text)
+            if instruction is None or (self._over and self.is_over(line)):
+                continue
+            self._begun = True
+            carry_out, number, words = instruction
+            carry_out(self, line, number, words)
 
     def _read(self, line: int, body: str) -> _Instruction | None:
         """A block that is not known; None for a text or no block, and with a message if invalid."""
-        if self._is_text(line, body):
+        dialect, language = self._dialect, self._language
+        if dialect.text_word is not None and self._is_text(line, body):
             return None
-        block = self._language.lexer.block(body)
+        block = language.lexer.block(body)
         if not isinstance(block, CodesysBlock):
             if block is not None:
                 self._syntax(line, body, block)
             return None
-        if self._dialect.allowed and block.command:
+        if dialect.allowed and block.command:
             code = f"{block.command}{block.number}"
-            if not self._dialect.is_allowed(code):
-                self._wrong(line, shown_code(code), self._dialect.shown_allowed())
+            if not dialect.is_allowed(code):
+                self._wrong(line, shown_code(code), dialect.shown_allowed())
                 return None
-        instruction = _Instruction(
-            _what_carries_out(block, self._language), block.number, block.words
-        )
-        return self._language.known.keep(body, instruction)
+        carry_out = _what_carries_out(block, language)
+        return language.known.keep(body, (carry_out, block.number, block.words))
 
     def _syntax(self, line: int, body: str, fault: CodesysFault) -> None:
         """Says what is wrong with a line, unless it is the name of the program."""
@@ -337,7 +335,7 @@ class Codesys(Interpreter):
         if not self._counting_said:
             self._say(line, self._rules.setting, found="G90")
             self._counting_said = True
-        self._go(line, motion, self._shifted(words), fed)
+        self._go(line, motion, self._shifted(words) if self._shift else words, fed)
 
     def curve(self, motion: int, start: Point, end: Point, words: Words) -> Curve | str:
         zero = self._shift.get("X", 0.0), self._shift.get("Y", 0.0)

@@ -9,6 +9,7 @@ modal. Source: LinuxCNC documentation, "G-Code Overview".
 """
 
 import re
+from collections.abc import Sequence
 from math import nan
 
 from msgspec.structs import replace
@@ -64,7 +65,7 @@ class Rs274(HeadWords, Interpreter):
         """The beginning of a text of so many lines, behind what the controller runs by itself."""
         super().begin(lines)
         if self._dialect.startup:
-            self.line(0, self._dialect.startup)
+            self.lines((self._dialect.startup,), 0)
 
     def _is_simple(self) -> bool:
         return self._ready and super()._is_simple()
@@ -106,7 +107,11 @@ class Rs274(HeadWords, Interpreter):
             words |= dict.fromkeys((*variant.offsets, "S", "T"), frozenset())
         return words
 
-    def line(self, line: int, text: str) -> None:
+    def lines(self, texts: Sequence[str], first: int = 1) -> None:
+        for line, text in enumerate(texts, first):
+            self._line(line, text)
+
+    def _line(self, line: int, text: str) -> None:
         if len(text) > self.longest_line:
             self._syntax(line, text, f"at most {self.longest_line} characters")
         if self._flat:
