@@ -75,7 +75,7 @@ SAME_PLACE = 0.5  #: mm across; holes are not nearer to each other than this
 _Tool = tuple[float, float, float, str]  #: diameter, point, pitch and hand
 Setup = tuple[int, int, _Tool]  #: stage, spindle and tool
 Station = dict[Setup, list[WorkOp]]  #: the operations at one X by their setup, the setups sorted
-Held = frozenset[tuple[Face, tuple[int, _Tool]]]  #: stage and tool that each face's spindle holds
+Held = frozenset[tuple[Face, int]]  #: what each face's spindle holds, by the tools' numbers
 MOST_STATES = 48  #: that are followed from one X to the next; the cheapest
 MOST_SETUPS = 8  #: setups at one X up to which all orders are tried; more are taken as sorted
 CUT_RANK = {("mitre", "end"): 0, ("common", "end"): 0, ("parting", "end"): 1, ("trim", "start"): 2,
@@ -92,35 +92,39 @@ def sort_along_x(
     TypeError if the machine has no layout.
     """
     layout, resolution = machine.needed(machine.layout, "layout"), machine.format.resolution
-    sawn_at: dict[int, list[SawOp]] = {}
-    before: tuple[int, SawOp] | None = None
+    sawn: list[tuple[int, SawOp]] = []
     for cut in cuts:
         place = round(cut.x / resolution)
         # Where a tube's corner is round the X of a compound mitre counts on an edge beyond the
         # steel, and may exceed that of the cut that parts the piece off by a millimetre. A line
         # with a gripper saws the end first all the same, and goes back.
-        if layout.order == "drill-saw" and before is not None and before[1].at == "end":
-            place = max(place, before[0])
-        sawn_at.setdefault(place, []).append(cut)
-        before = place, cut
+        if layout.order == "drill-saw" and sawn and sawn[-1][1].at == "end":
+            place = max(place, sawn[-1][0])
+        sawn.append((place, cut))
+    sawn.sort(key=_sawn_in_order)
     placed = [
-        (round(op.x / resolution), setup_of(op), op.x, op.y, op.features, op) for op in strokes
+        (round(op.x / resolution), setup_of(op), op.x, op.y, op.features, k, op)
+        for k, op in enumerate(strokes)
     ]
     stations: dict[int, Station] = {}
-    for place, setup, _, _, _, stroke in sorted(placed, key=itemgetter(0, 1, 2, 3, 4)):
+    for place, setup, _, _, _, _, stroke in sorted(placed):
         stations.setdefault(place, {}).setdefault(setup, []).append(stroke)
     setups = iter(_cheapest(stations.values(), machine.times))
-    result: list[Operation] = []
-    for place in sorted(sawn_at.keys() | stations.keys()):
-        # What ends a part, what parts it off, what starts the next.
-        sawn = sorted(
-            sawn_at.get(place, ()),
-            key=lambda op: (CUT_RANK[op.purpose, op.at], op.pieces[0], op.x, op.angle),
-        )
-        station = stations.get(place, {})
-        worked = [op for _ in station for op in station[next(setups)]]
-        result += (*sawn, *worked) if layout.order == "saw-drill" else (*worked, *sawn)
-    return tuple(result)
+    worked = [
+        (place, op)
+        for place, station in stations.items()
+        for _ in station
+        for op in station[next(setups)]
+    ]
+    both = [*sawn, *worked] if layout.order == "saw-drill" else [*worked, *sawn]
+    both.sort(key=itemgetter(0))
+    return tuple([op for _, op in both])
+
+
+def _sawn_in_order(sawn: tuple[int, SawOp]) -> tuple[int, int, int, float, float]:
+    """The cuts at one place: what ends a part, what parts it off, what starts the next."""
+    place, op = sawn
+    return place, CUT_RANK[op.purpose, op.at], op.pieces[0], op.x, op.angle
 
 
 def changes(operations: Iterable[Operation]) -> int:
@@ -174,13 +178,13 @@ class _Path(Struct, frozen=True):
 def _cheapest(stations: Collection[Station], times: Times) -> list[Setup]:
     """The setups of all X, one X after another, in the order that takes least for changes."""
     paths = [_Path((0.0, 0), 0, 0, frozenset())]
-    worked = {setup: works[0] for station in stations for setup, works in station.items()}
-    holding_of = {  # what the spindles hold that work with a setup
-        (stage, spindle, tool): frozenset((face, (stage, tool)) for face in op.faces)
-        for (stage, spindle, tool), op in worked.items()
-    }
+    numbers: dict[tuple[int, _Tool], int] = {}  # of the tools, by their stage too
     for station in stations:
-        setups = [(1 << i, setup, holding_of[setup]) for i, setup in enumerate(station)]
+        setups: list[tuple[int, Setup, Held]] = []  # with what their spindles hold
+        for i, (setup, works) in enumerate(station.items()):
+            stage, _, tool = setup
+            number = numbers.setdefault((stage, tool), len(numbers))
+            setups.append((1 << i, setup, frozenset([(face, number) for face in works[0].faces])))
         waiting = _prerequisites(station)
         for before in range(len(setups)):
             cheapest: dict[tuple[int, int, Held], _Path] = {}
