@@ -230,11 +230,14 @@ def mark_kind(feature: Feature) -> MarkKind | None:
 
 def policy_on(feature: Feature, marks: Marks) -> Policy | None:
     """A machine's policy for a mark, or for a bend or camber that is left; None for any other."""
-    if isinstance(feature, Bend | Camber):
+    kind = mark_kind(feature)
+    if kind is not None:
+        policy: Policy = getattr(marks, kind)
+        return policy
+    if isinstance(feature, (Bend, Camber)):
         left = marks.bends if isinstance(feature, Bend) else marks.cambers
         return "list" if left == "list" else None
-    kind = mark_kind(feature)
-    return None if kind is None else getattr(marks, kind)
+    return None
 
 
 def marked(parts: Iterable[Part], source: MarkFrom) -> tuple[Part, ...]:
