@@ -38,6 +38,7 @@ RowReader = Callable[[str, int, "RowPlace"], Item]  #: of a row, its line, and w
 
 FACE_LETTERS = frozenset("vouh")
 CAPITALS = frozenset("VOUHS")  #: of faces and of reference letters
+_FACES = FACE_LETTERS | frozenset("VOUH")
 
 
 class RowPlace(Struct):
@@ -54,7 +55,7 @@ class RowPlace(Struct):
 
         Where no row named one it is v on a plate; on other sections RowError is raised.
         """
-        if tokens and tokens[0].lower() in FACE_LETTERS:
+        if tokens and tokens[0] in _FACES:
             letter = self.small(tokens[0], line)
             if len(self.face) < 2:
                 self.face = letter
@@ -68,8 +69,8 @@ class RowPlace(Struct):
             self.face = "v"
         return tokens
 
-    def refer(self, letter: str, line: int) -> None:
-        """Note the reference letter behind x."""
+    def refer(self, letter: str, line: int) -> str:
+        """The reference letter behind x as it is meant, which is noted."""
         letter = self.small(letter, line)
         if letter in EDGES:
             self.edge = letter
@@ -77,6 +78,7 @@ class RowPlace(Struct):
             self.log.add(rules.EDGE, line, found=letter)
         else:
             raise RowError(letter)
+        return letter
 
     def small(self, letter: str, line: int) -> str:
         """The letter of a face or a reference as it is meant, whose capital is reported."""
@@ -96,11 +98,9 @@ class RowPlace(Struct):
         if len(tokens) < least + 2:
             raise RowError(row)
         x = required_number(tokens[0], line, self.log)
-        letter = tokens[1] if tokens[1].isalpha() else ""
-        if letter:
-            self.refer(letter, line)
-            letter = letter.lower()
-            del tokens[1]
+        letter = ""
+        if tokens[1].isalpha():
+            letter = self.refer(tokens.pop(1), line)
             if len(tokens) < least + 2:
                 raise RowError(row)
         y = required_number(tokens[1], line, self.log)
