@@ -76,7 +76,7 @@ def free_edges(profile: Profile, face: Face) -> tuple[bool, bool]:
     """Whether the wall behind a face ends at y 0, and at its greatest y, with no other on it."""
     walls = walls_beside(profile, face)
     size = profile.face_width(face)
-    return all([w.least > 0.0 for w in walls]), all([w.greatest < size for w in walls])
+    return all(w.least > 0.0 for w in walls), all(w.greatest < size for w in walls)
 
 
 def corners(

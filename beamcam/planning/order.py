@@ -55,7 +55,7 @@ from beamcam.caches import BoundedCache, PerObject
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Machine, Times
 from beamcam.machine.stations import Drill, Tool, cutting_row, is_unnamed, turns_of
-from beamcam.model.part import Face, Hole
+from beamcam.model.part import FACES, Hole
 from beamcam.model.plan import (
     DrillOp,
     Operation,
@@ -75,7 +75,7 @@ SAME_PLACE = 0.5  #: mm across; holes are not nearer to each other than this
 _Tool = tuple[float, float, float, str]  #: diameter, point, pitch and hand
 Setup = tuple[int, int, _Tool]  #: stage, spindle and tool
 Station = dict[Setup, list[WorkOp]]  #: the operations at one X by their setup, the setups sorted
-Held = frozenset[tuple[Face, int]]  #: what each face's spindle holds, by the tools' numbers
+Held = tuple[int, ...]  #: number of the tool that the spindle of each of `FACES` holds; -1 for none
 MOST_STATES = 48  #: that are followed from one X to the next; the cheapest
 MOST_SETUPS = 8  #: setups at one X up to which all orders are tried; more are taken as sorted
 CUT_RANK = {("mitre", "end"): 0, ("common", "end"): 0, ("parting", "end"): 1, ("trim", "start"): 2,
@@ -177,36 +177,37 @@ class _Path(Struct, frozen=True):
 
 def _cheapest(stations: Collection[Station], times: Times) -> list[Setup]:
     """The setups of all X, one X after another, in the order that takes least for changes."""
-    paths = [_Path((0.0, 0), 0, 0, frozenset())]
+    paths = [_Path((0.0, 0), 0, 0, (-1,) * len(FACES))]
     numbers: dict[tuple[int, _Tool], int] = {}  # of the tools, by their stage too
     for station in stations:
-        setups: list[tuple[int, Setup, Held]] = []  # with what their spindles hold
+        setups: list[tuple[int, int, Setup, int, list[int]]] = []
+        waiting = _prerequisites(station)
         for i, (setup, works) in enumerate(station.items()):
             stage, _, tool = setup
             number = numbers.setdefault((stage, tool), len(numbers))
-            setups.append((1 << i, setup, frozenset([(face, number) for face in works[0].faces])))
-        waiting = _prerequisites(station)
+            places = [FACES.index(face) for face in works[0].faces]
+            setups.append((1 << i, waiting[i], setup, number, places))
         for before in range(len(setups)):
             cheapest: dict[tuple[int, int, Held], _Path] = {}
             for path in paths:
                 done = path.done if before else 0
-                for (bit, setup, holding), needed in zip(setups, waiting, strict=True):
+                for bit, needed, setup, number, places in setups:
                     if done & bit or needed & ~done:
                         continue
-                    (seconds, changes), spindle, held = path.cost, setup[1], path.held
+                    (seconds, changes), spindle, holds = path.cost, setup[1], [*path.held]
                     changes += path.last is not None and setup != path.last
                     if spindle != path.spindle:
                         seconds += times.spindle_change_s
-                    if not holding <= held:
+                    for place in places:
+                        holds[place] = number
+                    held = tuple(holds)
+                    if held != path.held:
                         seconds += times.tool_change_s
-                        faces = {face for face, _ in holding}
-                        held = holding.union([pair for pair in held if pair[0] not in faces])
                     cost = seconds, changes
-                    after = _Path(cost, done | bit, spindle, held, setup, path)
-                    key = after.done, after.spindle, after.held
+                    key = done | bit, spindle, held
                     known = cheapest.get(key)
-                    if known is None or after.cost < known.cost:
-                        cheapest[key] = after
+                    if known is None or cost < known.cost:
+                        cheapest[key] = _Path(cost, done | bit, spindle, held, setup, path)
             paths = list(cheapest.values())
         if len(paths) > 1:
             paths = sorted(paths, key=attrgetter("cost"))[:MOST_STATES]
@@ -223,9 +224,9 @@ def _prerequisites(station: Station) -> list[int]:
 
     One waits for nothing, and more than `MOST_SETUPS` are taken as they are sorted.
     """
+    if not 1 < len(station) <= MOST_SETUPS:
+        return [(1 << i) - 1 for i in range(len(station))]
     setups = list(station)
-    if not 1 < len(setups) <= MOST_SETUPS:
-        return [(1 << i) - 1 for i in range(len(setups))]
     return [
         sum(
             1 << j

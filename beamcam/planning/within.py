@@ -9,7 +9,7 @@
 
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Sequence
-from math import cos, floor, hypot, pi, radians, sin
+from math import cos, hypot, pi, radians, sin
 from operator import attrgetter
 from typing import Any
 
@@ -37,7 +37,7 @@ CELL = 100.0  #: mm, in which openings are looked up by their places
 MOST_CELLS = 200  #: along a side; a larger opening is in no sheet
 
 
-class _Opening(Struct, frozen=True):
+class _Opening(Struct, frozen=True, gc=False):
     """A hole, slot or cut-out with its box; a disc goes round the rectangle of a slot."""
 
     feature: Hole | Slot | Contour
@@ -115,11 +115,11 @@ def _pairs(openings: Sequence[_Opening]) -> Iterator[tuple[_Opening, _Opening]]:
     least = min([one.area for one in openings], default=0.0) + SMALLER
     large = [one for one in openings if one.area >= least and one.reaches_through]
     large.sort(key=_area, reverse=True)
-    cells: defaultdict[tuple[str, int, int], list[_Opening]] = defaultdict(list)
+    cells: defaultdict[tuple[str, float, float], list[_Opening]] = defaultdict(list)
     for one in large:
         x0, y0, x1, y1 = one.box
-        columns = range(floor(x0 / CELL), floor(x1 / CELL) + 1)
-        rows = range(floor(y0 / CELL), floor(y1 / CELL) + 1)
+        columns = range(int(x0 // CELL), int(x1 // CELL) + 1)
+        rows = range(int(y0 // CELL), int(y1 // CELL) + 1)
         if max(len(columns), len(rows)) > MOST_CELLS + 1:
             continue  # a damaged file may have one as large as a planet
         for x in columns:
@@ -130,8 +130,8 @@ def _pairs(openings: Sequence[_Opening]) -> Iterator[tuple[_Opening, _Opening]]:
         if small.index < 0 or largest < small.area + SMALLER:
             continue
         x0, y0, x1, y1 = small.box
-        cell = small.feature.face, floor((x0 + x1) / 2 / CELL), floor((y0 + y1) / 2 / CELL)
-        for other in cells.get(cell, ()):
+        middle = small.feature.face, (x0 + x1) / 2 // CELL, (y0 + y1) / 2 // CELL
+        for other in cells.get(middle, ()):
             if other.area < small.area + SMALLER:
                 break
             if _holds(other.box, small.box):

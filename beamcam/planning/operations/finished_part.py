@@ -231,13 +231,9 @@ SHALLOW = error("plan-blind-shallow",
 TOLERANCE = 0.01  #: mm; files round to it, so a hole that is as near is tangent
 
 
-class Border(Struct, frozen=True, gc=False):
-    """A straight line at which the wall behind a face ends."""
-
-    steel: float  #: between it and x 0, y 0 of the face
-    per_x: float  #: and how much more for each mm of x
-    per_y: float
-    name: str  #: in messages
+#: A straight line at which the wall behind a face ends: the steel between it and x 0, y 0 of the
+#: face, how much more there is for each mm of x and of y, and its name in messages.
+Border = tuple[float, float, float, str]
 
 
 class FinishedPart:
@@ -262,20 +258,20 @@ class FinishedPart:
             at_low, at_width = free_edges(profile, face)
             borders = self._borders[face] = []  # sorted by their names
             if at_low:
-                borders.append(Border(0.0, 0.0, 1.0, f"the edge of face {face}"))
+                borders.append((0.0, 0.0, 1.0, f"the edge of face {face}"))
             if at_width:
                 width = profile.face_width(face)
-                borders.append(Border(width, 0.0, -1.0, f"the edge of face {face}"))
+                borders.append((width, 0.0, -1.0, f"the edge of face {face}"))
             borders += (
-                Border(end.least / b, -1 / b, -end.slope / b, "the end of the part"),
-                Border(-start.greatest / a, 1 / a, start.slope / a, "the start of the part"),
+                (end.least / b, -1 / b, -end.slope / b, "the end of the part"),
+                (-start.greatest / a, 1 / a, start.slope / a, "the start of the part"),
             )
         nearest, name = inf, ""
-        for border in borders:
+        for at_zero, per_x, per_y, border in borders:
             for x, y in points:
-                steel = border.steel + border.per_x * x + border.per_y * y
+                steel = at_zero + per_x * x + per_y * y
                 if steel < nearest:
-                    nearest, name = steel, border.name
+                    nearest, name = steel, border
         return nearest, name
 
     def judge(self, shape: Hole | Slot) -> list[Diagnostic]:
