@@ -7,6 +7,7 @@ request.
 """
 
 from collections.abc import Callable, Iterable, Sequence
+from functools import cached_property
 from math import isfinite
 from pathlib import PurePath
 from typing import Literal
@@ -72,7 +73,7 @@ class Request(Struct, frozen=True):
     by: ChosenBy = "order"  #: which of several machines is taken, of those that leave out as much
 
 
-class Job(Struct, frozen=True):
+class Job(Struct, frozen=True, dict=True):
     """One program of a request: the pieces that lie on one bar or sheet."""
 
     request: Request
@@ -85,7 +86,7 @@ class Job(Struct, frozen=True):
     def machine(self) -> Machine:
         return self.request.machine
 
-    @property
+    @cached_property
     def parts(self) -> tuple[Part, ...]:
         """The part of each piece, as its machine takes it: see `taken_by`.
 
