@@ -129,12 +129,11 @@ def rows_of(
 
 def features_of(
     block: Block, place: RowPlace, read: RowReader[Item | None], rule: Rule
-) -> Iterator[Item]:
+) -> list[Item]:
     """What `read` makes of the rows, whose lines are taken; rows that make nothing are not."""
-    for line, item in rows_of(block, place, read, rule):
-        if item is not None:
-            place.log.taken.append(line)
-            yield item
+    found = [(line, item) for line, item in rows_of(block, place, read, rule) if item is not None]
+    place.log.taken += [line for line, _ in found]
+    return [item for _, item in found]
 
 
 _SI_TEXT_LIMIT = 40  # DSTV NC, page 12
@@ -284,16 +283,17 @@ def read_hole(row: str, line: int, place: RowPlace) -> Hole | Slot | None:
     if rest[0] in _KINDS:
         kind, rest = _KINDS[rest[0]], rest[1:]
     slotted = "l" in rest
-    at = rest.index("l") if slotted else len(rest)
-    sizes = numbers(rest[:at], line, log)
     if slotted:
-        tail = rest[at + 1 :]
+        at = rest.index("l")
+        sizes, tail = numbers(rest[:at], line, log), rest[at + 1 :]
         if not 1 <= len(sizes) <= 2 or not 1 <= len(tail) <= 3:
             raise RowError(row)
         sizes = [*sizes, 0.0][:2] + numbers(tail, line, log)
+    else:
+        sizes = numbers(rest, line, log)
     if not 1 <= len(sizes) <= 5:
         raise RowError(row)
-    diameter, depth, width, height, angle, *_ = (*sizes, 0.0, 0.0, 0.0, 0.0)
+    diameter, depth, width, height, angle = [*sizes, 0.0, 0.0, 0.0, 0.0][:5]
     if diameter < 0 or depth < 0:
         log.add(rules.HOLE_DIAMETER, line, diameter=diameter, depth=depth)
         return None
