@@ -163,7 +163,7 @@ def refuse_bar(
             continue
         # The bar's own axis takes part in every operation, that of a spindle in its strokes.
         faces = {spindle.face for spindle in machine.spindles if spindle.number == axis.spindle}
-        least, greatest = axis.limits
+        (least, greatest), decimals = axis.limits, machine.format.length_decimals
         for op in operations:
             if axis.spindle is not None and (
                 isinstance(op, SawOp | TextOp) or faces.isdisjoint(op.faces)
@@ -171,7 +171,7 @@ def refuse_bar(
                 continue
             xs = [x for x, _ in op.path] if type(op) is PathOp else [op.x]
             for x in (min(xs), max(xs)) if len(xs) > 1 else xs:
-                if least <= round(x, machine.format.length_decimals) <= greatest:
+                if least <= round(x, decimals) <= greatest:
                     continue
                 if isinstance(op, SawOp):
                     what = f"a cut of {pieces[op.pieces[0]].part.mark}"

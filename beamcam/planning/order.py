@@ -307,8 +307,9 @@ def cutting_remarks(
     sources: dict[str, Source] = {}
     for op in operations:
         part = pieces[op.features[0][0]].part
-        sources.setdefault(part.grade, part.source)
-        used.setdefault(part.grade, {})[id(op.tool)] = op.tool
+        if part.grade not in used:
+            used[part.grade], sources[part.grade] = {}, part.source
+        used[part.grade][id(op.tool)] = op.tool
     known = _known_of(machine)
     for grade, tools in used.items():
         key = grade, *tools.values()
@@ -319,7 +320,7 @@ def cutting_remarks(
         for diagnostic in diagnostics:
             yield replace(diagnostic, source=sources[grade])
     # A note for each diameter that is drilled over or under, at the first such hole.
-    drill = machine.drill
+    most_off = machine.drill.same_tool_tolerance + 1e-9
     seen: set[tuple[float, int]] = set()
     for op in operations:
         if op.tool.kind != "drill":
@@ -328,10 +329,10 @@ def cutting_remarks(
             hole = pieces[p].part.features[f]
             if not isinstance(hole, Hole) or hole.kind not in ("through", "blind"):
                 continue
-            size, off = (hole.diameter, id(op.tool)), op.tool.diameter - hole.diameter
-            if size in seen or abs(off) <= drill.same_tool_tolerance + 1e-9:
+            off = op.tool.diameter - hole.diameter
+            if abs(off) <= most_off or (hole.diameter, id(op.tool)) in seen:
                 continue
-            seen.add(size)
+            seen.add((hole.diameter, id(op.tool)))
             yield rules.DRILL_SIZE.at(
                 hole.source, found=f"{hole.diameter:g}", size=f"{op.tool.diameter:g}",
                 off=f"{abs(off):.3g}", way="over" if off > 0 else "under",
