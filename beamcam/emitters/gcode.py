@@ -106,8 +106,9 @@ def _blocks(program: Program, templates: Templates) -> Iterator[str]:
                 lines = strokes.get(stroke) or strokes.keep(
                     stroke, _stroke_lines(stroke, word, templates)
                 )
-                values = _of_part(word, about)
-                values["x"] = number(command.x, form.length_decimals)
+                values = {"x": number(command.x, form.length_decimals)}
+                for name in word.of_part:
+                    values[name] = outside_text(about.get(name, ""))
                 yield lines.format_map(values)
             case SawStroke() if "saw" in words:
                 values = _values(command, words["saw"], templates)
@@ -139,13 +140,9 @@ def _blocks(program: Program, templates: Templates) -> Iterator[str]:
 
 
 def _filled(word: Template, values: Values, about: Mapping[str, str]) -> str:
-    """A word with its values and what is known of the part."""
-    return word.text.format_map({**values, **_of_part(word, about)})
-
-
-def _of_part(word: Template, about: Mapping[str, str]) -> Values:
-    """What a word says of the part; nothing for what is not known of it."""
-    return {name: outside_text(about.get(name, "")) for name in word.of_part}
+    """A word with its values and what is known of the part; nothing for what is not."""
+    of_part = {name: outside_text(about.get(name, "")) for name in word.of_part}
+    return word.text.format_map({**values, **of_part})
 
 
 def _stroke_lines(stroke: SpindleStroke, word: Template, templates: Templates) -> str:
@@ -235,7 +232,7 @@ def numbered(text: str) -> str:
     """A program with N1, N2, ... before each block; lines with `%` and comments are none."""
     *lines, last = text.split("\n")
     n = 0
-    blocks = [line if line[:1] in ("%", "(") else f"N{(n := n + 1)} {line}" for line in lines]
+    blocks = [line if line[:1] in {"%", "("} else f"N{(n := n + 1)} {line}" for line in lines]
     return "\n".join([*blocks, last])
 
 
