@@ -186,9 +186,9 @@ def mixed_marks(
         # A pipe would wait for what somebody writes.
         if not path.lower().endswith(DSTV_SUFFIXES) or not os.path.isfile(path):
             continue
-        with suppress(OSError), open(path, "rb") as file:
-            lines = [line.strip() for line in file.read(HEAD_BYTES).decode("latin-1").splitlines()]
-            lines = [line for line in lines if not line.startswith("**")]
+        with suppress(OSError), open(path, "rb", buffering=0) as file:
+            texts = map(str.strip, file.read(HEAD_BYTES).decode("latin-1").splitlines())
+            lines = [text for text in texts if not text.startswith("**")]
             at = lines.index("ST") + 1 if "ST" in lines else len(lines)
             order, drawing, phase, mark = [*lines[at : at + 4], "", "", "", ""][:4]
             stem = os.path.splitext(os.path.basename(path))[0]

@@ -17,7 +17,7 @@ characters. `checks.head` reads all of it.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from itertools import count
+from string import Formatter
 from typing import Any
 
 from msgspec import Struct
@@ -67,7 +67,7 @@ class Templates(Struct, frozen=True):
     comment: str
     room: int  #: characters that a comment may have
     words: dict[str, Template]  #: those that have lines
-    strokes: BoundedCache[SpindleStroke, Values]  #: the values of each, wherever it is
+    strokes: BoundedCache[SpindleStroke, str]  #: the lines of each, but for X and data of the part
 
 
 def _templates(machine: Machine) -> Templates:
@@ -78,7 +78,7 @@ def _templates(machine: Machine) -> Templates:
             names = names_in(words, (name,))
             of_command = tuple((name, of) for name, of in _OF_COMMAND.items() if name in names)
             templates[name] = Template("\n".join(lines), names, names & PART_NAMES, of_command)
-    strokes: BoundedCache[SpindleStroke, Values] = BoundedCache("emitters.strokes")
+    strokes: BoundedCache[SpindleStroke, str] = BoundedCache("emitters.strokes")
     return Templates(
         machine.format, tool_numbers(machine.tools), words.comment, comment_room(machine),
         templates,
@@ -103,12 +103,13 @@ def _blocks(program: Program, templates: Templates) -> Iterator[str]:
         match command:
             case DrillCycle(stroke=stroke):
                 word = words[stroke.kind]
-                values = strokes.get(stroke) or strokes.keep(
-                    stroke,
-                    {**_place_values(stroke, word, form), **_values(stroke, word, templates)},
+                lines = strokes.get(stroke) or strokes.keep(
+                    stroke, _stroke_lines(stroke, word, templates)
                 )
-                x = number(command.x, form.length_decimals)
-                yield _filled(word, {**values, "x": x}, about)
+                values = {"x": number(command.x, form.length_decimals)}
+                for name in word.of_part:
+                    values[name] = outside_text(about.get(name, ""))
+                yield lines.format_map(values)
             case SawStroke() if "saw" in words:
                 values = _values(command, words["saw"], templates)
                 values["x"] = number(command.x, form.length_decimals)
@@ -142,6 +143,18 @@ def _filled(word: Template, values: Values, about: Mapping[str, str]) -> str:
     """A word with its values and what is known of the part; nothing for what is not."""
     of_part = {name: outside_text(about.get(name, "")) for name in word.of_part}
     return word.text.format_map({**values, **of_part})
+
+
+def _stroke_lines(stroke: SpindleStroke, word: Template, templates: Templates) -> str:
+    """The lines of a stroke, wherever it is: a template of X and of data of the part."""
+    values = {**_place_values(stroke, word, templates.form), **_values(stroke, word, templates)}
+    lines = ""
+    for text, name, form, _ in Formatter().parse(word.text):
+        lines += text.replace("{", "{{").replace("}", "}}")
+        if name is not None:
+            place = f"{{{name}:{form}}}"
+            lines += place.format_map(values) if name in values else place
+    return lines
 
 
 def _feed(command: SawStroke | SpindleStroke | PathCycle, form: NumberFormat) -> str:
@@ -218,8 +231,8 @@ def number(value: float, decimals: int) -> str:
 def numbered(text: str) -> str:
     """A program with N1, N2, ... before each block; lines with `%` and comments are none."""
     *lines, last = text.split("\n")
-    numbers = count(1)
-    blocks = [line if line.startswith(("%", "(")) else f"N{next(numbers)} {line}" for line in lines]
+    n = 0
+    blocks = [line if line[:1] in {"%", "("} else f"N{(n := n + 1)} {line}" for line in lines]
     return "\n".join([*blocks, last])
 
 

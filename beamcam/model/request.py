@@ -7,6 +7,7 @@ request.
 """
 
 from collections.abc import Callable, Iterable, Sequence
+from functools import cached_property
 from math import isfinite
 from pathlib import PurePath
 from typing import Literal
@@ -72,7 +73,7 @@ class Request(Struct, frozen=True):
     by: ChosenBy = "order"  #: which of several machines is taken, of those that leave out as much
 
 
-class Job(Struct, frozen=True):
+class Job(Struct, frozen=True, dict=True):
     """One program of a request: the pieces that lie on one bar or sheet."""
 
     request: Request
@@ -85,7 +86,7 @@ class Job(Struct, frozen=True):
     def machine(self) -> Machine:
         return self.request.machine
 
-    @property
+    @cached_property
     def parts(self) -> tuple[Part, ...]:
         """The part of each piece, as its machine takes it: see `taken_by`.
 
@@ -230,11 +231,14 @@ def mark_kind(feature: Feature) -> MarkKind | None:
 
 def policy_on(feature: Feature, marks: Marks) -> Policy | None:
     """A machine's policy for a mark, or for a bend or camber that is left; None for any other."""
+    kind = mark_kind(feature)
+    if kind is not None:
+        policy: Policy = getattr(marks, kind)
+        return policy
     if type(feature) is Bend or type(feature) is Camber:
         left = marks.bends if type(feature) is Bend else marks.cambers
         return "list" if left == "list" else None
-    kind = mark_kind(feature)
-    return None if kind is None else getattr(marks, kind)
+    return None
 
 
 def marked(parts: Iterable[Part], source: MarkFrom) -> tuple[Part, ...]:

@@ -147,8 +147,9 @@ def _beyond(how: Tooling, y: float, travel: SpindleTravel) -> Beyond | None:
         for axis in machine.axes:
             if axis.spindle not in faces or (axis.moves != across and axis.moves != along):
                 continue
+            least, greatest = axis.limits
             for place in places[axis.moves]:
-                if not _comes_to(place, axis, machine):
+                if not least <= round(place, machine.format.length_decimals) <= greatest:
                     return Beyond(axis, place, faces[axis.spindle])
     return None
 
@@ -162,6 +163,7 @@ def refuse_bar(
             continue
         # The bar's own axis takes part in every operation, that of a spindle in its strokes.
         faces = {spindle.face for spindle in machine.spindles if spindle.number == axis.spindle}
+        (least, greatest), decimals = axis.limits, machine.format.length_decimals
         for op in operations:
             if axis.spindle is not None and (
                 isinstance(op, SawOp | TextOp) or faces.isdisjoint(op.faces)
@@ -169,7 +171,7 @@ def refuse_bar(
                 continue
             xs = [x for x, _ in op.path] if type(op) is PathOp else [op.x]
             for x in (min(xs), max(xs)) if len(xs) > 1 else xs:
-                if _comes_to(x, axis, machine):
+                if least <= round(x, decimals) <= greatest:
                     continue
                 if isinstance(op, SawOp):
                     what = f"a cut of {pieces[op.pieces[0]].part.mark}"
@@ -180,11 +182,6 @@ def refuse_bar(
                 yield STOP.at(
                     op.source, what=what, axis=axis.name, found=f"{x:.3f}", expected=_range(axis)
                 )
-
-
-def _comes_to(place: float, axis: ControlledAxis, machine: Machine) -> bool:
-    least, greatest = axis.limits
-    return least <= round(place, machine.format.length_decimals) <= greatest
 
 
 def _range(axis: ControlledAxis) -> str:

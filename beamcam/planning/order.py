@@ -55,7 +55,7 @@ from beamcam.caches import BoundedCache, PerObject
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Machine, Times
 from beamcam.machine.stations import Drill, Tool, cutting_row, is_unnamed, turns_of
-from beamcam.model.part import Face, Hole
+from beamcam.model.part import FACES, Hole
 from beamcam.model.plan import (
     DrillOp,
     Operation,
@@ -75,7 +75,7 @@ SAME_PLACE = 0.5  #: mm across; holes are not nearer to each other than this
 _Tool = tuple[float, float, float, str]  #: diameter, point, pitch and hand
 Setup = tuple[int, int, _Tool]  #: stage, spindle and tool
 Station = dict[Setup, list[WorkOp]]  #: the operations at one X by their setup, the setups sorted
-Held = frozenset[tuple[Face, tuple[int, _Tool]]]  #: stage and tool that each face's spindle holds
+Held = tuple[int, ...]  #: number of the tool that the spindle of each of `FACES` holds; -1 for none
 MOST_STATES = 48  #: that are followed from one X to the next; the cheapest
 MOST_SETUPS = 8  #: setups at one X up to which all orders are tried; more are taken as sorted
 CUT_RANK = {("mitre", "end"): 0, ("common", "end"): 0, ("parting", "end"): 1, ("trim", "start"): 2,
@@ -92,35 +92,39 @@ def sort_along_x(
     TypeError if the machine has no layout.
     """
     layout, resolution = machine.needed(machine.layout, "layout"), machine.format.resolution
-    sawn_at: dict[int, list[SawOp]] = {}
-    before: tuple[int, SawOp] | None = None
+    sawn: list[tuple[int, SawOp]] = []
     for cut in cuts:
         place = round(cut.x / resolution)
         # Where a tube's corner is round the X of a compound mitre counts on an edge beyond the
         # steel, and may exceed that of the cut that parts the piece off by a millimetre. A line
         # with a gripper saws the end first all the same, and goes back.
-        if layout.order == "drill-saw" and before is not None and before[1].at == "end":
-            place = max(place, before[0])
-        sawn_at.setdefault(place, []).append(cut)
-        before = place, cut
+        if layout.order == "drill-saw" and sawn and sawn[-1][1].at == "end":
+            place = max(place, sawn[-1][0])
+        sawn.append((place, cut))
+    sawn.sort(key=_sawn_in_order)
     placed = [
-        (round(op.x / resolution), setup_of(op), op.x, op.y, op.features, op) for op in strokes
+        (round(op.x / resolution), setup_of(op), op.x, op.y, op.features, k, op)
+        for k, op in enumerate(strokes)
     ]
     stations: dict[int, Station] = {}
-    for place, setup, _, _, _, stroke in sorted(placed, key=itemgetter(0, 1, 2, 3, 4)):
+    for place, setup, _, _, _, _, stroke in sorted(placed):
         stations.setdefault(place, {}).setdefault(setup, []).append(stroke)
     setups = iter(_cheapest(stations.values(), machine.times))
-    result: list[Operation] = []
-    for place in sorted(sawn_at.keys() | stations.keys()):
-        # What ends a part, what parts it off, what starts the next.
-        sawn = sorted(
-            sawn_at.get(place, ()),
-            key=lambda op: (CUT_RANK[op.purpose, op.at], op.pieces[0], op.x, op.angle),
-        )
-        station = stations.get(place, {})
-        worked = [op for _ in station for op in station[next(setups)]]
-        result += (*sawn, *worked) if layout.order == "saw-drill" else (*worked, *sawn)
-    return tuple(result)
+    worked = [
+        (place, op)
+        for place, station in stations.items()
+        for _ in station
+        for op in station[next(setups)]
+    ]
+    both = [*sawn, *worked] if layout.order == "saw-drill" else [*worked, *sawn]
+    both.sort(key=itemgetter(0))
+    return tuple([op for _, op in both])
+
+
+def _sawn_in_order(sawn: tuple[int, SawOp]) -> tuple[int, int, int, float, float]:
+    """The cuts at one place: what ends a part, what parts it off, what starts the next."""
+    place, op = sawn
+    return place, CUT_RANK[op.purpose, op.at], op.pieces[0], op.x, op.angle
 
 
 def changes(operations: Iterable[Operation]) -> int:
@@ -173,36 +177,37 @@ class _Path(Struct, frozen=True):
 
 def _cheapest(stations: Collection[Station], times: Times) -> list[Setup]:
     """The setups of all X, one X after another, in the order that takes least for changes."""
-    paths = [_Path((0.0, 0), 0, 0, frozenset())]
-    worked = {setup: works[0] for station in stations for setup, works in station.items()}
-    holding_of = {  # what the spindles hold that work with a setup
-        (stage, spindle, tool): frozenset((face, (stage, tool)) for face in op.faces)
-        for (stage, spindle, tool), op in worked.items()
-    }
+    paths = [_Path((0.0, 0), 0, 0, (-1,) * len(FACES))]
+    numbers: dict[tuple[int, _Tool], int] = {}  # of the tools, by their stage too
     for station in stations:
-        setups = [(1 << i, setup, holding_of[setup]) for i, setup in enumerate(station)]
+        setups: list[tuple[int, int, Setup, int, list[int]]] = []
         waiting = _prerequisites(station)
+        for i, (setup, works) in enumerate(station.items()):
+            stage, _, tool = setup
+            number = numbers.setdefault((stage, tool), len(numbers))
+            places = [FACES.index(face) for face in works[0].faces]
+            setups.append((1 << i, waiting[i], setup, number, places))
         for before in range(len(setups)):
             cheapest: dict[tuple[int, int, Held], _Path] = {}
             for path in paths:
                 done = path.done if before else 0
-                for (bit, setup, holding), needed in zip(setups, waiting, strict=True):
+                for bit, needed, setup, number, places in setups:
                     if done & bit or needed & ~done:
                         continue
-                    (seconds, changes), spindle, held = path.cost, setup[1], path.held
+                    (seconds, changes), spindle, holds = path.cost, setup[1], [*path.held]
                     changes += path.last is not None and setup != path.last
                     if spindle != path.spindle:
                         seconds += times.spindle_change_s
-                    if not holding <= held:
+                    for place in places:
+                        holds[place] = number
+                    held = tuple(holds)
+                    if held != path.held:
                         seconds += times.tool_change_s
-                        faces = {face for face, _ in holding}
-                        held = holding.union([pair for pair in held if pair[0] not in faces])
                     cost = seconds, changes
-                    after = _Path(cost, done | bit, spindle, held, setup, path)
-                    key = after.done, after.spindle, after.held
+                    key = done | bit, spindle, held
                     known = cheapest.get(key)
-                    if known is None or after.cost < known.cost:
-                        cheapest[key] = after
+                    if known is None or cost < known.cost:
+                        cheapest[key] = _Path(cost, done | bit, spindle, held, setup, path)
             paths = list(cheapest.values())
         if len(paths) > 1:
             paths = sorted(paths, key=attrgetter("cost"))[:MOST_STATES]
@@ -219,9 +224,9 @@ def _prerequisites(station: Station) -> list[int]:
 
     One waits for nothing, and more than `MOST_SETUPS` are taken as they are sorted.
     """
+    if not 1 < len(station) <= MOST_SETUPS:
+        return [(1 << i) - 1 for i in range(len(station))]
     setups = list(station)
-    if not 1 < len(setups) <= MOST_SETUPS:
-        return [(1 << i) - 1 for i in range(len(setups))]
     return [
         sum(
             1 << j
@@ -302,8 +307,9 @@ def cutting_remarks(
     sources: dict[str, Source] = {}
     for op in operations:
         part = pieces[op.features[0][0]].part
-        sources.setdefault(part.grade, part.source)
-        used.setdefault(part.grade, {})[id(op.tool)] = op.tool
+        if part.grade not in used:
+            used[part.grade], sources[part.grade] = {}, part.source
+        used[part.grade][id(op.tool)] = op.tool
     known = _known_of(machine)
     for grade, tools in used.items():
         key = grade, *tools.values()
@@ -314,7 +320,7 @@ def cutting_remarks(
         for diagnostic in diagnostics:
             yield replace(diagnostic, source=sources[grade])
     # A note for each diameter that is drilled over or under, at the first such hole.
-    drill = machine.drill
+    most_off = machine.drill.same_tool_tolerance + 1e-9
     seen: set[tuple[float, int]] = set()
     for op in operations:
         if op.tool.kind != "drill":
@@ -323,10 +329,10 @@ def cutting_remarks(
             hole = pieces[p].part.features[f]
             if not isinstance(hole, Hole) or hole.kind not in ("through", "blind"):
                 continue
-            size, off = (hole.diameter, id(op.tool)), op.tool.diameter - hole.diameter
-            if size in seen or abs(off) <= drill.same_tool_tolerance + 1e-9:
+            off = op.tool.diameter - hole.diameter
+            if abs(off) <= most_off or (hole.diameter, id(op.tool)) in seen:
                 continue
-            seen.add(size)
+            seen.add((hole.diameter, id(op.tool)))
             yield rules.DRILL_SIZE.at(
                 hole.source, found=f"{hole.diameter:g}", size=f"{op.tool.diameter:g}",
                 off=f"{abs(off):.3g}", way="over" if off > 0 else "under",

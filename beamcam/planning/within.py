@@ -9,8 +9,8 @@
 
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Sequence
-from itertools import product
-from math import cos, floor, hypot, pi, radians, sin
+from math import cos, hypot, pi, radians, sin
+from operator import attrgetter
 from typing import Any
 
 from msgspec import Struct
@@ -37,18 +37,17 @@ CELL = 100.0  #: mm, in which openings are looked up by their places
 MOST_CELLS = 200  #: along a side; a larger opening is in no sheet
 
 
-class _Opening(Struct, frozen=True):
+class _Opening(Struct, frozen=True, gc=False):
     """A hole, slot or cut-out with its box; a disc goes round the rectangle of a slot."""
 
     feature: Hole | Slot | Contour
     box: Box
     area: float
     index: int  #: of the feature; -1 of one that is there
+    reaches_through: bool
 
-    @property
-    def reaches_through(self) -> bool:
-        one = self.feature
-        return isinstance(one, Contour) or (one.kind == "through" and one.depth is None)
+
+_area = attrgetter("area")
 
 
 def within_larger(part: Part) -> dict[int, Diagnostic]:
@@ -92,40 +91,47 @@ def _openings(part: Part) -> Iterator[_Opening]:
         boxes = [(one.face, box) for one in outer if (box := _box(one))]
     for index, one in every:
         if isinstance(one, Hole) and one.kind in KINDS:
-            r = one.diameter / 2
-            yield _Opening(one, (one.x - r, one.y - r, one.x + r, one.y + r), pi * r * r, index)
+            x, y, r = one.x, one.y, one.diameter / 2
+            through = one.kind == "through" and one.depth is None
+            yield _Opening(one, (x - r, y - r, x + r, y + r), pi * r * r, index, through)
         elif isinstance(one, Slot) and one.kind in KINDS:
             u, v, r = _sizes(one)
             c, s = abs(cos(radians(one.angle))), abs(sin(radians(one.angle)))
             wide, high = c * u + s * v + r, s * u + c * v + r
             area = 4 * (u * v + r * (u + v)) + pi * r * r
             box = (one.x - wide, one.y - high, one.x + wide, one.y + high)
-            yield _Opening(one, box, area, index)
+            through = one.kind == "through" and one.depth is None
+            yield _Opening(one, box, area, index, through)
         elif isinstance(one, Contour) and one.kind == "inner" and one.closed:
             around = _box(one)
             if one.process != "cut" or around is None:
                 continue
             if not any(face == one.face and _holds(around, box) for face, box in boxes):
-                yield _Opening(one, around, abs(signed_area(one.curves)), index)
+                yield _Opening(one, around, abs(signed_area(one.curves)), index, True)
 
 
 def _pairs(openings: Sequence[_Opening]) -> Iterator[tuple[_Opening, _Opening]]:
     """An opening and a larger one through the wall whose box holds it, the largest first."""
-    least = min((one.area for one in openings), default=0.0) + SMALLER
+    least = min([one.area for one in openings], default=0.0) + SMALLER
     large = [one for one in openings if one.area >= least and one.reaches_through]
-    cells: defaultdict[tuple[str, int, int], list[_Opening]] = defaultdict(list)
-    for one in sorted(large, key=lambda one: -one.area):
-        x0, y0, x1, y1 = (floor(at / CELL) for at in one.box)
-        if max(x1 - x0, y1 - y0) > MOST_CELLS:
+    large.sort(key=_area, reverse=True)
+    cells: defaultdict[tuple[str, float, float], list[_Opening]] = defaultdict(list)
+    for one in large:
+        x0, y0, x1, y1 = one.box
+        columns = range(int(x0 // CELL), int(x1 // CELL) + 1)
+        rows = range(int(y0 // CELL), int(y1 // CELL) + 1)
+        if max(len(columns), len(rows)) > MOST_CELLS + 1:
             continue  # a damaged file may have one as large as a planet
-        for x, y in product(range(x0, x1 + 1), range(y0, y1 + 1)):
-            cells[one.feature.face, x, y].append(one)
-    for small in openings if cells else ():
-        if small.index < 0:
+        for x in columns:
+            for y in rows:
+                cells[one.feature.face, x, y].append(one)
+    largest = large[0].area if cells else 0.0
+    for small in openings:
+        if small.index < 0 or largest < small.area + SMALLER:
             continue
-        x = floor((small.box[0] + small.box[2]) / 2 / CELL)
-        y = floor((small.box[1] + small.box[3]) / 2 / CELL)
-        for other in cells.get((small.feature.face, x, y), ()):
+        x0, y0, x1, y1 = small.box
+        middle = small.feature.face, (x0 + x1) / 2 // CELL, (y0 + y1) / 2 // CELL
+        for other in cells.get(middle, ()):
             if other.area < small.area + SMALLER:
                 break
             if _holds(other.box, small.box):

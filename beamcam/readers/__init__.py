@@ -196,6 +196,8 @@ FORMATS = (
     Format("ifc", (".ifc", ".ifczip"), "beamcam.readers.ifc", ("selection", "options", "progress")),
     Format("part-json", (".json",), "beamcam.readers.part_json"),
 )
+_BY_SUFFIX = {suffix: known for known in FORMATS for suffix in known.suffixes}
+_OF_PROGRAMS = frozenset(suffix for _, suffix in DEFAULTS)
 
 
 def is_interruptible(name: str) -> bool:
@@ -222,12 +224,11 @@ def read(data: bytes, name: str, **options: object) -> Reading:
         return Reading("unknown", (), (CORELDRAW.at(Source(name), found=corel),))
     if (other := other_format(data, name)) is not None:
         return Reading("unknown", (), (other,))
-    if (is_of_programs(name) or suffix == ".nc") and _is_program(data):
+    if suffix in _OF_PROGRAMS and _is_program(data):
         return Reading("unknown", (), (PROGRAM.at(Source(name)),))
-    by_suffix = (known for known in FORMATS if suffix in known.suffixes)
     by_content = (known for known in FORMATS if known.looks_like(data))
-    if (known := next(by_suffix, None) or next(by_content, None)) is None:
-        expected = ", ".join(s for f in FORMATS for s in f.suffixes)
+    if (known := _BY_SUFFIX.get(suffix) or next(by_content, None)) is None:
+        expected = ", ".join(_BY_SUFFIX)
         return Reading("unknown", (), (UNKNOWN_FORMAT.at(Source(name), expected=expected),))
     taken = {k: v for k, v in options.items() if k in known.options and v is not None}
     return known.read(data, name, **taken)
@@ -265,8 +266,7 @@ _G_CODE = re.compile(rb"^(?:N\d+[ \t]*)?[GM]\d{1,3}\b", re.MULTILINE)
 
 def other_format(data: bytes, name: str) -> Diagnostic | None:
     """What a file of a common other format is, and what is expected instead of it."""
-    suffix = os.path.splitext(name)[1].lower()
-    if any(suffix in known.suffixes for known in FORMATS):
+    if os.path.splitext(name)[1].lower() in _BY_SUFFIX:
         return None  # the reader of that suffix says what is wrong with it
     schema = _SCHEMA.search(data, 0, _HEAD_BYTES) if data[:13] == b"ISO-10303-21;" else None
     if schema is not None and not schema[1].upper().startswith(b"IFC"):
@@ -282,8 +282,7 @@ def other_format(data: bytes, name: str) -> Diagnostic | None:
 
 def is_of_programs(name: str) -> bool:
     """Whether a machine writes its programs under that suffix."""
-    suffix = os.path.splitext(name)[1].lower()
-    return any(suffix == known for _, known in DEFAULTS)
+    return os.path.splitext(name)[1].lower() in _OF_PROGRAMS
 
 
 def _is_program(data: bytes) -> bool:

@@ -25,7 +25,6 @@ Across the part a wall ends at a free edge or at another wall, which may have a 
 
 from collections.abc import Sequence
 from math import atan2, degrees, hypot, inf, radians, tan
-from operator import attrgetter
 from typing import Literal
 
 from msgspec import Struct
@@ -168,8 +167,10 @@ class WallEnd(Struct, frozen=True):
 
 def wall_end(end: SawnEnd, face: str, profile: Profile) -> WallEnd:
     """The end of the wall behind a face."""
-    web, tilt = tan(radians(end.web_deg)), tan(radians(end.flange_deg))
+    if end.is_square:
+        return WallEnd(end.x0, end.x0, 0.0)
     flange = flange_borders(profile, face)
+    web, tilt = tan(radians(end.web_deg)), tan(radians(end.flange_deg))
     lean, borders = (web, flange) if flange else (tilt, web_borders(profile, face))
     a, b = (end.x0 - border * lean for border in borders)
     return WallEnd(min(a, b), max(a, b), tilt if flange else web)
@@ -180,7 +181,9 @@ def flange_borders(profile: Profile, face: str) -> tuple[float, float] | None:
     thickness, height = profile.flange_thickness, profile.height
     if profile.code == "T" and face in ("o", "u"):
         return (height - thickness) / 2, (height + thickness) / 2
-    return {"o": (height - thickness, height), "u": (0.0, thickness)}.get(face)
+    if face == "o":
+        return height - thickness, height
+    return (0.0, thickness) if face == "u" else None
 
 
 def web_borders(profile: Profile, face: str) -> tuple[float, float]:
@@ -228,13 +231,9 @@ SHALLOW = error("plan-blind-shallow",
 TOLERANCE = 0.01  #: mm; files round to it, so a hole that is as near is tangent
 
 
-class Border(Struct, frozen=True, gc=False):
-    """A straight line at which the wall behind a face ends."""
-
-    steel: float  #: between it and x 0, y 0 of the face
-    per_x: float  #: and how much more for each mm of x
-    per_y: float
-    name: str  #: in messages
+#: A straight line at which the wall behind a face ends: the steel between it and x 0, y 0 of the
+#: face, how much more there is for each mm of x and of y, and its name in messages.
+Border = tuple[float, float, float, str]
 
 
 class FinishedPart:
@@ -256,23 +255,23 @@ class FinishedPart:
             profile = self.part.profile
             start, end = (wall_end(each, face, profile) for each in self._ends)
             a, b = hypot(1.0, start.slope), hypot(1.0, end.slope)
-            borders = [
-                Border(-start.greatest / a, 1 / a, start.slope / a, "the start of the part"),
-                Border(end.least / b, -1 / b, -end.slope / b, "the end of the part"),
-            ]
             at_low, at_width = free_edges(profile, face)
+            borders = self._borders[face] = []  # sorted by their names
             if at_low:
-                borders.append(Border(0.0, 0.0, 1.0, f"the edge of face {face}"))
+                borders.append((0.0, 0.0, 1.0, f"the edge of face {face}"))
             if at_width:
                 width = profile.face_width(face)
-                borders.append(Border(width, 0.0, -1.0, f"the edge of face {face}"))
-            borders = self._borders[face] = sorted(borders, key=attrgetter("name"))
+                borders.append((width, 0.0, -1.0, f"the edge of face {face}"))
+            borders += (
+                (end.least / b, -1 / b, -end.slope / b, "the end of the part"),
+                (-start.greatest / a, 1 / a, start.slope / a, "the start of the part"),
+            )
         nearest, name = inf, ""
-        for border in borders:
+        for at_zero, per_x, per_y, border in borders:
             for x, y in points:
-                steel = border.steel + border.per_x * x + border.per_y * y
+                steel = at_zero + per_x * x + per_y * y
                 if steel < nearest:
-                    nearest, name = steel, border.name
+                    nearest, name = steel, border
         return nearest, name
 
     def judge(self, shape: Hole | Slot) -> list[Diagnostic]:

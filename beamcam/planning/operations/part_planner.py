@@ -142,6 +142,8 @@ def refuse_many_pairs(holes: Group, drill: Drill) -> Iterator[Said]:
 
     The pairs are counted and not looked at.
     """
+    if len(holes) * (len(holes) - 1) <= 2 * MOST_PAIRS:
+        return  # were all of them beside each other
     of_face: dict[Face, list[Placed]] = defaultdict(list)
     for placed in holes:
         of_face[placed[2].face].append(placed)

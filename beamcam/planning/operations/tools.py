@@ -12,7 +12,7 @@ near; which of them is taken is settled over the whole bar (`planning.beam`):
 from collections.abc import Mapping
 from itertools import repeat
 from math import radians, tan
-from typing import Literal, cast
+from typing import Literal
 
 from msgspec import Struct
 from msgspec.structs import replace
@@ -58,7 +58,9 @@ class ToolLibrary:
         ]  # fmt: skip
         self._drills: BoundedCache[object, Tools] = BoundedCache("planning.drills")
         #: for `operations.hole_tools`
-        self.toolings: BoundedCache[object, object] = BoundedCache("planning.toolings")
+        self.toolings: BoundedCache[HoleWork, tuple[Tooling, ...] | Refusal] = BoundedCache(
+            "planning.toolings"
+        )
 
     def of_kind(self, kind: ToolKind, faces: tuple[Face, ...]) -> Tools:
         """All tools of a kind that the spindles of all of `faces` take, by diameter."""
@@ -228,7 +230,7 @@ def toolings_of(library: ToolLibrary, hole: HoleWork) -> tuple[Tooling, ...] | R
     known = library.toolings.get(hole)
     if known is None:
         known = library.toolings.keep(hole, _MAKERS[hole.kind](library, hole))
-    return cast("tuple[Tooling, ...] | Refusal", known)
+    return known
 
 
 def _mark(library: ToolLibrary, hole: HoleWork) -> tuple[Tooling, ...] | Refusal:

@@ -182,7 +182,8 @@ def _put_features(planner: PartPlanner) -> None:
         if refusal is not None:
             planner.refused[f] = refusal
             continue
-        planner.take([(f, diagnostic) for diagnostic in kind.refusals(feature, planner)])
+        for diagnostic in kind.refusals(feature, planner):
+            planner.take([(f, diagnostic)])
         if f not in planner.refused:
             planner.accepted[kind.name].append((f, feature))
 

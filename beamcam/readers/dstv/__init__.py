@@ -93,7 +93,7 @@ def read_with_account(
     if header is None:
         return _refused(texts, log)
     made = None
-    if any(text.startswith(MADE) for text in texts[head.end :]):
+    if MADE in text and any(row.startswith(MADE) for row in texts[head.end :]):
         made = _made(texts, head.end, name)
         texts = ["" if text.startswith(MADE) else text for text in texts]
     comments += [(0, f"header:{n}", text) for n, text in head.comments]

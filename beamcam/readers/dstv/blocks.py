@@ -133,13 +133,14 @@ def split_blocks(
     comments: list[Loose] = []
     end = 0
     for number, text in enumerate(texts[start:], start + 1):
-        if text[:2] == "**":
-            comments.append((number, text[2:]))
-            continue
-        if text[2:].lstrip()[:2] == "**" and text[:2].upper() in CODES:
-            log.add(rules.COMMENT_INLINE, number)
-            comments.append((number - 1, text[2:].lstrip()[2:]))
-            text = text[:2]
+        if "**" in text:
+            if text[:2] == "**":
+                comments.append((number, text[2:]))
+                continue
+            if text[2:].lstrip()[:2] == "**" and text[:2].upper() in CODES:
+                log.add(rules.COMMENT_INLINE, number)
+                comments.append((number - 1, text[2:].lstrip()[2:]))
+                text = text[:2]
         code = _code(text, lines[number - 1], number, log) if len(text) == 2 and not end else None
         if code == "EN":
             end = number

@@ -1,13 +1,14 @@
 """The header, block ST: 20 to 24 lines that count by their position."""
 
 import re
+from collections.abc import Iterator
 from math import pi
 
 from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.caches import cached
-from beamcam.errors import Source
+from beamcam.errors import Rule, Source
 from beamcam.geometry.plane import join_boxes
 from beamcam.model.part import (
     ALONG_DEG,
@@ -38,6 +39,8 @@ _ROW = re.compile(r"([vouh]\s*)?[+-]?[0-9]+\.[0-9]")
 
 #: A name with four figures, as writers call lipped channels: C200*70*20*2, LIP C 100 x 50 x 20 x 2.
 _FOUR = re.compile(r"[A-Z -]*" + r"\s*[-X*×/]\s*".join([r"(\d+(?:[.,]\d+)?)"] * 4), re.IGNORECASE)
+
+_CODES: dict[str, ProfileCode] = {code: code for code in PROFILE_CODES}
 
 _WHOLE = re.compile(r"([0-9]{1,9})(\.0*)?", re.ASCII)  #: a quantity, which some write as 2.00
 
@@ -125,7 +128,7 @@ def read_header(head: HeaderLines, source: Source, log: Log) -> Part | None:
         log.add(rules.QUANTITY, lines[5], found=values[5])
     elif quantity == 0 or whole[2]:
         log.add(rules.QUANTITY_FORM, lines[5], found=values[5], value=quantity)
-    code = next((code for code in PROFILE_CODES if code == values[7].upper()), None)
+    code = _CODES.get(values[7].upper())
     if code is None:
         log.add(rules.PROFILE_CODE, lines[7], found=values[7])
     elif code != values[7]:
@@ -135,8 +138,9 @@ def read_header(head: HeaderLines, source: Source, log: Log) -> Part | None:
     if quantity is None or code is None or length is None or dimensions is None:
         return None
     height, width, flange, web, radius, weight, surface, *cuts = dimensions
-    profile, fault = _section(code, values[6], height, width, flange, web, radius)
-    _compare_name(profile, lines, log)
+    profile, fault, differences = _section(code, values[6], height, width, flange, web, radius)
+    for rule, said in differences:
+        log.add(rule, lines[9], **said)
     if height <= 0:
         log.add(rules.HEIGHT, lines[9], found=height)
     elif fault is not None:
@@ -187,12 +191,12 @@ _INCHES = {
 }  # fmt: skip
 
 
-def _compare_name(profile: Profile, lines: list[int], log: Log) -> None:
-    """Say so where a section that is known by its name has another size in the header."""
+def _differences(profile: Profile) -> Iterator[tuple[Rule, dict[str, object]]]:
+    """What to say of a section that is known by its name and has another size in the header."""
     named, most = _INCHES.get(profile.code, (None, 0))
     match = named.fullmatch(plain_name(profile.name)) if named else None
     if match and int(match[1]) <= most and 0.0 < profile.height <= 1.5 * int(match[1]):
-        log.add(rules.INCHES, lines[9], height=profile.height, name=profile.name)
+        yield rules.INCHES, {"height": profile.height, "name": profile.name}
     code, sizes = measures_of(profile.name) or ("", None)
     given = (profile.height, profile.width, profile.flange_thickness, profile.web_thickness or 0.0)
     if sizes is None or code != profile.code or min(given) <= 0.0:
@@ -201,20 +205,22 @@ def _compare_name(profile: Profile, lines: list[int], log: Log) -> None:
     ways = (profile, turned) if code in ("L", "M") else (profile,)
     if min(difference(way, sizes) for way in ways) > MOST_OFF:
         found, expected = (" x ".join(f"{size:g}" for size in one) for one in (given, sizes[:4]))
-        log.add(rules.NAME_SIZES, lines[9], sizes=found, name=profile.name, expected=expected)
+        yield rules.NAME_SIZES, {"sizes": found, "name": profile.name, "expected": expected}
 
 
 @cached("dstv.sections")
 def _section(
     code: ProfileCode, name: str, height: float, width: float, flange: float, web: float,
     radius: float,
-) -> tuple[Profile, str | None]:  # fmt: skip
-    """A section, the same object for all files that have it, and what is impossible in it."""
+) -> tuple[Profile, str | None, tuple[tuple[Rule, dict[str, object]], ...]]:  # fmt: skip
+    """A section, the same object for all files that have it, what is impossible in it, and how
+    it differs from its name."""
     sizes = (size + 0.0 for size in (height, width, flange, web, radius))  # no -0
     profile = Profile(code, name, *sizes)
     if code == "C":
         profile = replace(profile, lip=lip_by_name(profile))
-    return profile, section_fault(profile) if min(width, flange, web) > 0 else None
+    fault = section_fault(profile) if min(width, flange, web) > 0 else None
+    return profile, fault, tuple(_differences(profile))
 
 
 def lip_by_name(profile: Profile) -> float | None:

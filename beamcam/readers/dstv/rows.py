@@ -38,6 +38,7 @@ RowReader = Callable[[str, int, "RowPlace"], Item]  #: of a row, its line, and w
 
 FACE_LETTERS = frozenset("vouh")
 CAPITALS = frozenset("VOUHS")  #: of faces and of reference letters
+_FACES = FACE_LETTERS | frozenset("VOUH")
 
 
 class RowPlace(Struct):
@@ -54,7 +55,7 @@ class RowPlace(Struct):
 
         Where no row named one it is v on a plate; on other sections RowError is raised.
         """
-        if tokens and tokens[0].lower() in FACE_LETTERS:
+        if tokens and tokens[0] in _FACES:
             letter = self.small(tokens[0], line)
             if len(self.face) < 2:
                 self.face = letter
@@ -68,8 +69,8 @@ class RowPlace(Struct):
             self.face = "v"
         return tokens
 
-    def refer(self, letter: str, line: int) -> None:
-        """Note the reference letter behind x."""
+    def refer(self, letter: str, line: int) -> str:
+        """The reference letter behind x as it is meant, which is noted."""
         letter = self.small(letter, line)
         if letter in EDGES:
             self.edge = letter
@@ -77,6 +78,7 @@ class RowPlace(Struct):
             self.log.add(rules.EDGE, line, found=letter)
         else:
             raise RowError(letter)
+        return letter
 
     def small(self, letter: str, line: int) -> str:
         """The letter of a face or a reference as it is meant, whose capital is reported."""
@@ -96,11 +98,9 @@ class RowPlace(Struct):
         if len(tokens) < least + 2:
             raise RowError(row)
         x = required_number(tokens[0], line, self.log)
-        letter = tokens[1] if tokens[1].isalpha() else ""
-        if letter:
-            self.refer(letter, line)
-            letter = letter.lower()
-            del tokens[1]
+        letter = ""
+        if tokens[1].isalpha():
+            letter = self.refer(tokens.pop(1), line)
             if len(tokens) < least + 2:
                 raise RowError(row)
         y = required_number(tokens[1], line, self.log)
@@ -129,12 +129,11 @@ def rows_of(
 
 def features_of(
     block: Block, place: RowPlace, read: RowReader[Item | None], rule: Rule
-) -> Iterator[Item]:
+) -> list[Item]:
     """What `read` makes of the rows, whose lines are taken; rows that make nothing are not."""
-    for line, item in rows_of(block, place, read, rule):
-        if item is not None:
-            place.log.taken.append(line)
-            yield item
+    found = [(line, item) for line, item in rows_of(block, place, read, rule) if item is not None]
+    place.log.taken += [line for line, _ in found]
+    return [item for _, item in found]
 
 
 _SI_TEXT_LIMIT = 40  # DSTV NC, page 12
@@ -284,16 +283,17 @@ def read_hole(row: str, line: int, place: RowPlace) -> Hole | Slot | None:
     if rest[0] in _KINDS:
         kind, rest = _KINDS[rest[0]], rest[1:]
     slotted = "l" in rest
-    at = rest.index("l") if slotted else len(rest)
-    sizes = numbers(rest[:at], line, log)
     if slotted:
-        tail = rest[at + 1 :]
+        at = rest.index("l")
+        sizes, tail = numbers(rest[:at], line, log), rest[at + 1 :]
         if not 1 <= len(sizes) <= 2 or not 1 <= len(tail) <= 3:
             raise RowError(row)
         sizes = [*sizes, 0.0][:2] + numbers(tail, line, log)
+    else:
+        sizes = numbers(rest, line, log)
     if not 1 <= len(sizes) <= 5:
         raise RowError(row)
-    diameter, depth, width, height, angle, *_ = (*sizes, 0.0, 0.0, 0.0, 0.0)
+    diameter, depth, width, height, angle = [*sizes, 0.0, 0.0, 0.0, 0.0][:5]
     if diameter < 0 or depth < 0:
         log.add(rules.HOLE_DIAMETER, line, diameter=diameter, depth=depth)
         return None
